@@ -85,7 +85,7 @@ def bouncing(transfer, steps=150, **time):
     start = 0.5 * mass.sum()
     for record in simulation.steps():
         pass
-    assert record.contacts == 0, "still in touch"
+    assert record.contacts == 0, "still in contact"
     return energy(record) / start, mass @ simulation.state.points.velocity[:, 0] / mass.sum()
 
 

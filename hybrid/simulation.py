@@ -95,7 +95,7 @@ class Simulation:
     @property
     def mirrors(self):
         """Planes of symmetry of the model, each once."""
-        return tuple({(m.axis, m.at): m for body in self.model.bodies for m in body.mirrors}.values())
+        return self.model.mirrors
 
     @property
     def initial_position(self):

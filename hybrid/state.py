@@ -182,6 +182,11 @@ class BodyState:
         """(position, rotation)."""
         return self.position, self.rotation
 
+    @property
+    def spatial_rates(self):
+        """(6,) [m/s, rad/s] velocity and angular velocity along the axes of space."""
+        return np.concatenate([self.velocity, self.rotation @ self.spin])
+
 
 @dataclass
 class JointState:

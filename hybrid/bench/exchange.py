@@ -21,7 +21,7 @@ SOILS = ("sand", "clay")
 # Strength [Pa] of clay that bears its weight; weaker clay ends with a direct factor on any number of ranks
 STRENGTH = 10e3
 SOLVERS = ("sweeps", "incomplete", "damped", "direct")      # by their numbers in hybrid.linalg.solver_choice
-COLLECTIVE = ("_over_processes", "joined", "counts", "offset", "from_first", "to_each")     # of hybrid.runtime.comm
+COLLECTIVE = ("_over_processes", "gathered", "counts", "offset", "from_first", "to_each")     # of hybrid.runtime.comm
 
 
 def run(options):

@@ -8,6 +8,7 @@ import numpy as np
 from hybrid.bench.scenes import block, contracted
 from hybrid.bench.timed_steps import sizes, warm
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.contact_points import SoilSurface
 from hybrid.contact.search import Domains
 from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
@@ -81,7 +82,7 @@ def _pair(step):
     """The pair of cube and soil made anew: the search of contact."""
     guess, begun, soil = step.predictor(), step.bodies[0], step.model.soil
     domains = Domains.of(step.soil.points, soil.constants, soil.basis)
-    return ContactPair(begun.body, begun.state, step.state.contacts[0], domains, soil.grid, step.soil.active,
+    return ContactPair(SoilSurface(domains, soil.grid, step.soil.active), begun.body, begun.state, step.state.contacts[0],
                        begun.reach, (guess.displacement, guess.poses[0]))
 
 

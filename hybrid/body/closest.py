@@ -39,9 +39,9 @@ def closest(y, reach, tree, side=NO_SIDE):
     once the opposite side is nearer, that side and the rim between both are excluded as long as the point projects onto
     its own side from within.
 
-    Returns (triangle, feature, foot, weights, gap): triangle number, -1 when none is nearer than reach;
-    feature as in the module's head; foot = y - gap N [m] and weights of the triangle's corners there (barycentric, or
-    parameters of the curved patch) as tuples of three; gap [m], negative inside.
+    Returns (triangle, feature, closest_point, weights, gap): triangle number, -1 when none is nearer than reach;
+    feature as in the module's head; closest_point y_s = y - gap N [m] and weights of the triangle's corners there
+    (barycentric, or parameters of the curved patch) as tuples of three; gap [m], negative inside.
     """
     y0, y1, y2 = y[0], y[1], y[2]
     excluded, widened = ALL, reach + tree.patches.bulge
@@ -65,10 +65,10 @@ def closest_facing(y, outward, least, beyond, tree):
     that overlaps the edge of a body by a hair is far behind that body's other flank. At the edge of a body whose flank
     lies in that of the other one none counts: the side would come and go with round-off."""
     found = closest(y, math.inf, tree, NO_SIDE)
-    triangle, feature, foot, weights, gap = found
+    triangle, feature, closest_point, weights, gap = found
     if gap >= 0.0:
         return found
-    N, _, _ = gap_geometry(y, foot, weights, gap, triangle, feature, tree)
+    N, _, _ = gap_geometry(y, closest_point, weights, gap, triangle, feature, tree)
     if dot(N, outward) < -least:
         return found
     none = -1, 0, (y[0], y[1], y[2]), (0.0, 0.0, 0.0), math.inf
@@ -95,7 +95,7 @@ def _place(y, slot, feature, v, w, side, excluded, reach, tree):
     triangle, facets, weights = tree.order[slot], tree.facets, (max(1.0 - v - w, 0.0), v, w)
     x0, x1, x2 = y0 - facets[slot, 0], y1 - facets[slot, 1], y2 - facets[slot, 2]
     if tree.kind[triangle, feature] == 0:
-        # along the normal, so that y - foot = gap N to round-off
+        # along the normal, so that y - y_s = gap N to round-off
         n0, n1, n2 = facets[slot, 9], facets[slot, 10], facets[slot, 11]
         gap = x0 * n0 + x1 * n1 + x2 * n2
         return triangle, 0, (y0 - gap * n0, y1 - gap * n1, y2 - gap * n2), weights, gap
@@ -107,8 +107,8 @@ def _place(y, slot, feature, v, w, side, excluded, reach, tree):
 
 
 @njit(cache=True)
-def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
-    """Normal N, gradient of the gap ∂g/∂y and G = ∂N/∂y where `closest` found triangle, feature, foot, weights and gap.
+def gap_geometry(y, closest_point, weights, gap, triangle, feature, tree):
+    """Normal N, gradient of the gap ∂g/∂y and G = ∂N/∂y at the closest point that `closest` found for y, with its results.
 
     N and ∂g/∂y are tuples of three, G a tuple of three rows, G[i][j] = ∂N_i/∂y_j. N = ∂g/∂y, except on curved patches,
     where N is normal to the surface up to second order in the facets' size. On an edge or vertex without distance,
@@ -122,7 +122,7 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
         if tree.kind[triangle, SECOND]:
             return geometry(triangle, weights[1], weights[2], gap, patches.nodes)
         return N, N, (zero, zero, zero)
-    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
+    x = y[0] - closest_point[0], y[1] - closest_point[1], y[2] - closest_point[2]
     distance = math.sqrt(dot(x, x))
     if distance == 0.0:
         return N, N, (zero, zero, zero)
@@ -133,7 +133,7 @@ def gap_geometry(y, foot, weights, gap, triangle, feature, tree):
     if 0 < feature < 4 and tree.kind[triangle, SECOND + feature] and patches.across[triangle, feature - 1, 1] != SMOOTH:
         _, d, c = edge_curve(triangle, feature - 1, weights[feature % 3], patches.nodes)
         slide = dot(d, d) - 2.0 * dot(x, c)
-    # the foot slides along the edge: ∂(y - foot)/∂y = I - d d^T/slide
+    # the closest point slides along the edge: ∂(y - y_s)/∂y = I - d d^T/slide
     return N, N, (
         _turning(0, N, d, slide, distance), _turning(1, N, d, slide, distance), _turning(2, N, d, slide, distance))
 

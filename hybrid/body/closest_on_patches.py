@@ -5,8 +5,8 @@ edge of the smooth surface the closest point is on the edge, curved or straight,
 beyond a centre of curvature, where the projection fails, the place belongs to another patch or face: that of the smallest
 gap nearby, or to the place of the nearest facet on its patch.
 
-A closest point is (triangle, feature, foot, weights, gap), as `hybrid.body.closest.closest` returns it; triangle -1 for
-none.
+A closest point is (triangle, feature, closest_point, weights, gap), as `hybrid.body.closest.closest` returns it;
+triangle -1 for none.
 """
 
 import math
@@ -82,7 +82,7 @@ def _on_patch(y, triangle, v, w, gap, tree):
 @njit(cache=True)
 def _on_edge(y, triangle, edge, s, tree):
     """Closest point on a sharp edge of the smooth surface, from the fraction s of the edge."""
-    s, foot = project_on_edge(y, triangle, edge, s, tree.patches.nodes)
+    s, closest_point = project_on_edge(y, triangle, edge, s, tree.patches.nodes)
     at_start, at_end = (1.0 - s, s) if 0.0 < s < 1.0 else ((1.0, 0.0) if s <= 0.0 else (0.0, 1.0))
     feature = 1 + edge if 0.0 < s < 1.0 else (4 + edge if s <= 0.0 else 4 + (edge + 1) % 3)
     if edge == 0:
@@ -91,8 +91,8 @@ def _on_edge(y, triangle, edge, s, tree):
         weights = 0.0, at_start, at_end
     else:
         weights = at_end, 0.0, at_start
-    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
-    return triangle, feature, foot, weights, signed_distance(x, triangle, feature, tree)
+    x = y[0] - closest_point[0], y[1] - closest_point[1], y[2] - closest_point[2]
+    return triangle, feature, closest_point, weights, signed_distance(x, triangle, feature, tree)
 
 
 @njit(cache=True)
@@ -120,6 +120,6 @@ def _on_any_patch(y, slot, v, w, distance, side, excluded, tree):
                 least, found = abs(gap), _on_patch(y, t, v, w, gap, tree)
     if found[0] >= 0 or not tree.kind[nearest, SECOND]:
         return found
-    foot = point(nearest, weights[1], weights[2], tree.patches.nodes)[0]
-    x = y[0] - foot[0], y[1] - foot[1], y[2] - foot[2]
-    return nearest, FIXED, foot, weights, -math.sqrt(dot(x, x)) if inside else math.sqrt(dot(x, x))
+    closest_point = point(nearest, weights[1], weights[2], tree.patches.nodes)[0]
+    x = y[0] - closest_point[0], y[1] - closest_point[1], y[2] - closest_point[2]
+    return nearest, FIXED, closest_point, weights, -math.sqrt(dot(x, x)) if inside else math.sqrt(dot(x, x))

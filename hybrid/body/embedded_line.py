@@ -135,7 +135,7 @@ def embedded_line_force(position, rotation, attachment, target, length, stiffnes
                  + pull * cosine * d_flat)
     force = -pull * (cosine * flat + sine * up)
 
-    lever = np.hstack((np.eye(3), -skew(arm)))
-    tangent = lever.T @ by_point @ lever
+    jacobian = np.hstack((np.eye(3), -skew(arm)))
+    tangent = jacobian.T @ by_point @ jacobian
     tangent[3:, 3:] += skew(force) @ skew(arm)
-    return pull, lever.T @ force, tangent, 0.0
+    return pull, jacobian.T @ force, tangent, 0.0

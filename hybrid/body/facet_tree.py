@@ -44,12 +44,12 @@ class Tree(NamedTuple):
 
     @property
     def parts(self):
-        """(arrays, patches), for kernels with parallel loops, which take no tuples of tuples; see `joined`."""
+        """(arrays, patches), for kernels with parallel loops, which take no tuples of tuples; see `tree_of_parts`."""
         return self[:-1], self.patches
 
 
 @njit(cache=True)
-def joined(arrays, patches):
+def tree_of_parts(arrays, patches):
     """Tree from its `parts`."""
     boxes, first, order, facets, normals, kind = arrays
     return Tree(boxes, first, order, facets, normals, kind, patches)

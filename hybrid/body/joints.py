@@ -85,10 +85,10 @@ class Joint:
     def rows(self, poses, before=0.0):
         """φ (n,) and ∂φ/∂q (n, 12) at two poses; before: angle [rad] at the start of the increment."""
         arms, span = self._span(poses)
-        lever = _lever(arms)
+        jacobian = _point_jacobian(arms)
         values, gradients = [], []
         if self.at_point:
-            values, gradients = list(span), list(lever)
+            values, gradients = list(span), list(jacobian)
         for u, w in self.pairs:
             u, w = poses[0][1] @ u, poses[1][1] @ w
             values.append(u @ w)
@@ -96,7 +96,7 @@ class Joint:
         if self.length is not None:
             sign, distance = (-1.0 if self.slack else 1.0), np.linalg.norm(span)
             values.append(sign * (distance - self.length))
-            gradients.append(sign * (span / distance) @ lever)
+            gradients.append(sign * (span / distance) @ jacobian)
         angles = self._angles()
         if angles:
             turned = self.angle(poses) - before
@@ -123,8 +123,8 @@ class Joint:
         if self.length is not None:
             force = left.pop(0) * (-1.0 if self.slack else 1.0)
             distance = np.linalg.norm(span)
-            along, lever = span / distance, _lever(arms)
-            out += lever.T @ (force / distance * (np.eye(3) - np.outer(along, along))) @ lever
+            along, jacobian = span / distance, _point_jacobian(arms)
+            out += jacobian.T @ (force / distance * (np.eye(3) - np.outer(along, along))) @ jacobian
             _add_arms(out, arms, force * along)
         if left:
             total = sum(sign * one for (sign, _), one in zip(self._angles(), left))
@@ -144,7 +144,7 @@ class Joint:
         return slope, change
 
 
-def _lever(arms):
+def _point_jacobian(arms):
     """∂d/∂q (3, 12)."""
     return np.hstack([np.eye(3), -skew(arms[0]), -np.eye(3), skew(arms[1])])
 

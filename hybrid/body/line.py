@@ -55,7 +55,7 @@ def line_force(position, rotation, attachment, target, length, stiffness, tensio
     projector = np.outer(along, along)
     by_point = stiffness * projector + tension / distance * (np.eye(3) - projector)
 
-    lever = np.hstack((np.eye(3), -arm_skew))
-    tangent = lever.T @ by_point @ lever
+    jacobian = np.hstack((np.eye(3), -arm_skew))
+    tangent = jacobian.T @ by_point @ jacobian
     tangent[3:, 3:] += skew(force) @ arm_skew
-    return tension, lever.T @ force, tangent, 0.5 * stiffness * stretch * stretch
+    return tension, jacobian.T @ force, tangent, 0.5 * stiffness * stretch * stretch

@@ -50,7 +50,7 @@ class RigidBody:
         rates of driven components in the present increment, None where no table acts
     stages: StageControl of each stage of the run, empty where none changes anything of the body
     parts: SurfaceParts whose contact forces are reported apart, None where the geometry names none
-    mirrors: planes of symmetry that it lies in; stray_cap: whether it has a cut face that lies in none
+    mirrors: planes of symmetry that it lies in; unmirrored_cut: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
     narrowest: width [m] of the narrowest face whose edges were rounded off in cells as wide or wider; inf without one
     surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded
@@ -60,7 +60,7 @@ class RigidBody:
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
         by `with_stiffness`; ground: `hybrid.contact.on_ground.HeldGround` of a body with edges on level held
         ground, which takes the place of these
-    borne: whether the cohesion of the soil bears the forces of all stages by far, so that it hardly flows under the body
+    below_capacity: whether the forces of all stages are far below the bearing capacity of cohesive soil, which hardly flows
     """
 
     name: str
@@ -71,7 +71,7 @@ class RigidBody:
     friction: float
     tangential: float
     penalty: float = 0.0
-    borne: bool = False
+    below_capacity: bool = False
     places: object = None
     narrowest: float = np.inf
     contact_pressure: np.ndarray | None = None
@@ -83,7 +83,7 @@ class RigidBody:
     stages: tuple[StageControl, ...] = ()
     interface: object = None
     mirrors: tuple[Mirror, ...] = ()
-    stray_cap: bool = False
+    unmirrored_cut: bool = False
     parts: SurfaceParts | None = None
     ground: object = None
 
@@ -195,7 +195,7 @@ def predicted_pose(body, state, scheme, dt):
 
     The rotation is the scheme's own map, so that a driven spin is constant to round-off and needs no moment.
     """
-    rate = np.concatenate([state.velocity, state.rotation @ state.spin]) * body.free * scheme.inertia
+    rate = state.spatial_rates * body.free * scheme.inertia
     increment = dt * (rate + body.drive)
     rotation = cayley if scheme.rotation == "cayley" else exp_so3
     return state.position + increment[:3], rotation(increment[3:]) @ state.rotation
@@ -231,7 +231,7 @@ def begin_increment(body, state, scheme, dt):
     return replace(new, reaction=np.where(body.free, 0.0, state.reaction + jump))
 
 
-def jolt(body, old, new):
+def impulse_work(body, old, new):
     """Work (6,) [J], by spatial component, of the impulse that changes the rates of BodyState `old` to those of `new`; its
     sum is the gain of kinetic energy."""
     turn, inertia = old.rotation, body.mass.inertia
@@ -256,6 +256,12 @@ def impose_guide_rates(body, state, after=0.0):
     second = imposed(np.concatenate([state.acceleration, state.spin_rate]), second_drive)
     return replace(state, velocity=first[:3], spin=first[3:], acceleration=second[:3], spin_rate=second[3:],
                    algorithmic=None if algorithmic is None else imposed(algorithmic, second_drive))
+
+
+def reduced_mass(bodies):
+    """1/Σ(1/m) [kg] of the RigidBodies that are free to move, inf of none."""
+    inverse = sum(1.0 / body.mass.mass for body in bodies if body.free[:3].any())
+    return 1.0 / inverse if inverse else np.inf
 
 
 def kinetic_energy(body, state):

@@ -9,9 +9,8 @@ on each side with its edges on grid lines, and by up to 0.8 cells with its edges
 
 on, on soil that yields or that it is driven into, the load is, on average over all places of the edge in a cell, that of
 the footing itself. d vanishes with the cells; with ρ narrow faces keep contact. An edge is convex and bends by more than
-BEND at both of its ends; the rim of a cut through the body is none. Edges of triangles that run from the apex of a cone
-bend there only, and are none of the
-cone: rounded off, its tip would sink in by a cell before it touches.
+SHARP_ANGLE at both of its ends; the rim of a cut through the body is none. Edges of triangles that run from the apex of
+a cone bend there only, and are none of the cone: rounded off, its tip would sink in by a cell before it touches.
 """
 
 from typing import NamedTuple
@@ -23,7 +22,8 @@ from scipy.sparse.csgraph import connected_components
 from hybrid.body.smooth import shared_edges
 
 SHARE = 0.5                     # of a cell, and of ρ
-BEND = np.radians(20.0)         # between the faces at an edge; 30° at the shoulder of a cone of 60°
+SHARP_ANGLE = np.radians(20.0)  # between normals of the smooth surface on both sides of an edge: less than the 30° at the
+#                                 shoulder of a cone of 60°
 AROUND = 2.0                    # cells of sharp edges around a face: a shorter one is a tip
 SAMPLES = 6                     # points along an edge of a triangle at which ρ is measured
 
@@ -47,7 +47,7 @@ def find_edges(surface, cell, along=()):
     """
     (t, other), (k, j) = (side.T for side in shared_edges(surface.triangles))
     corners, normals = surface.vertices[surface.triangles], surface.normals
-    bends = np.all(_bends(surface, t, k, other, j) > BEND, axis=0)
+    bends = np.all(_bends(surface, t, k, other, j) > SHARP_ANGLE, axis=0)
     links = coo_matrix((np.ones(np.count_nonzero(~bends)), (t[~bends], other[~bends])), shape=(len(corners),) * 2)
     face = connected_components(links, directed=False)[1]
     convex = np.einsum("ei,ei->e", normals[t], corners[other].mean(axis=1) - corners[t].mean(axis=1)) < 0.0
@@ -82,7 +82,7 @@ def _parallel(segment, along):
     """(e,) bool, segments parallel to all of the vectors `along`."""
     direction = segment[:, 1] - segment[:, 0]
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    return np.all([np.abs(direction @ axis) > np.cos(BEND) for axis in along], axis=0) | np.zeros(len(segment), bool)
+    return np.all([np.abs(direction @ axis) > np.cos(SHARP_ANGLE) for axis in along], axis=0) | np.zeros(len(segment), bool)
 
 
 def _in_section(points, along):

@@ -3,7 +3,7 @@
 Normals come from the geometry where it has them (`hybrid.body.mesh`). At an edge of the body its two sides have
 normals of their own, so every corner of every triangle has one. Where the geometry has none (a mesh without
 geometry, the apex of a cone) they are those of the facets around the vertex, up to edges that bend by more than
-BEND. Corners of neighbours whose normals are the same, or nearly, form one group with one normal.
+FEATURE_ANGLE. Corners of neighbours whose normals are the same, or nearly, form one group with one normal.
 
 The curvature c of an edge from x_i to x_j makes the quadratic x(s) = x_i + s d - s (1 - s) c, d = x_j - x_i, turn from
 the tangent plane at one end into that at the other, on average (both sides, where they differ):
@@ -19,7 +19,9 @@ from scipy.sparse.csgraph import connected_components
 
 from hybrid.body.patches import SMOOTH, Patches
 
-BEND = np.radians(30.0)    # between facets: the edge of a mesh without geometry that bends more is an edge of the body
+# Feature angle, between facets: the edge of a mesh without geometry that bends more is an edge of the body. Twelve facets
+# around a circle bend by as much. Sharp edges (`hybrid.body.sharp_edges`) lie between the normals that follow from it.
+FEATURE_ANGLE = np.radians(30.0)
 SAME = np.radians(1.0)     # between normals of the geometry on both sides of an edge that counts as smooth
 STRAY = np.radians(60.0)   # between a normal of the geometry and its facet: one that is farther off is not used
 ROUND_OFF = 1e-9           # normals and curvatures (relative) that differ by no more are equal
@@ -90,7 +92,7 @@ def corner_normals(points, triangles, given=None, symmetry=None):
 def _groups(triangles, facet, given, known):
     """Number (t, 3) of the group of each corner: corners of one vertex whose triangles meet in smooth edges."""
     (t, other), (k, j) = (side.T for side in shared_edges(triangles))
-    bend = np.einsum("ei,ei->e", facet[t], facet[other]) > np.cos(BEND)
+    bend = np.einsum("ei,ei->e", facet[t], facet[other]) > np.cos(FEATURE_ANGLE)
     first, second = [], []
     for a, b in (((t, k), (other, (j + 1) % 3)), ((t, (k + 1) % 3), (other, j))):
         cosine = np.einsum("ei,ei->e", given[a], given[b])
@@ -107,7 +109,7 @@ def _mirrored(mean, triangles, group, by_geometry, symmetry):
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2)
     chosen = np.unique(group[np.isin(triangles, ends[rim_edges(triangles)])])
     across = mean[chosen] @ symmetry
-    little = (by_geometry[chosen] == 0) & (np.abs(across) < np.sin(BEND / 2))
+    little = (by_geometry[chosen] == 0) & (np.abs(across) < np.sin(FEATURE_ANGLE / 2))
     chosen, across = chosen[little], across[little]
     mean = mean.copy()
     mean[chosen] = unit(mean[chosen] - across[:, None] * symmetry)
@@ -116,7 +118,7 @@ def _mirrored(mean, triangles, group, by_geometry, symmetry):
 
 def _without_apexes(normals, facet, by_facets):
     """At an apex no normal is near those of all facets: there a corner takes the mean of the other two of its facet."""
-    apex = by_facets & (np.einsum("tki,tki->tk", normals, facet) < np.cos(BEND))
+    apex = by_facets & (np.einsum("tki,tki->tk", normals, facet) < np.cos(FEATURE_ANGLE))
     rest = np.where(apex[:, :, None], 0.0, normals)
     others = unit(rest.sum(axis=1, keepdims=True) - rest)
     return np.where(apex[:, :, None], np.where(np.any(others != 0.0, axis=2, keepdims=True), others, facet), normals)

@@ -1,8 +1,8 @@
 """Contact surface of a rigid body: closest point, signed gap and normal, in the body frame.
 
-    closest point  foot(y) = argmin |y - x| over the triangles, found in a tree of bounding boxes
-    gap            g = ± |y - foot|, negative inside: the sign is that of (y - foot)·n̂
-    normal         N = (y - foot)/g = ∂g/∂y
+    closest point  y_s(y) = argmin |y - x| over the triangles, found in a tree of bounding boxes
+    gap            g = ± |y - y_s|, negative inside: the sign is that of (y - y_s)·n̂
+    normal         N = (y - y_s)/g = ∂g/∂y
     derivative     G = ∂N/∂y = 0 on a face, (I - e e^T - N N^T)/g on an edge, (I - N N^T)/g at a vertex
 
 Where the body is curved, triangles carry curved patches between the normals of its surface at their corners, and gap,
@@ -11,14 +11,14 @@ normal and G are those of the patches (`hybrid.body.patches`; the normals are th
 | symbol | meaning                                                     | shape     | unit |
 |--------|-------------------------------------------------------------|-----------|------|
 | y      | query point, from the centre of mass                        | (3,)      | m    |
-| foot   | closest point of the surface                                | (3,)      | m    |
+| y_s    | closest point of the surface                                | (3,)      | m    |
 | n̂      | pseudo-normal of a feature: of the face, of an edge (mean   | (t, 7, 3) | -    |
 |        | of its faces), of a vertex (mean weighted by face angles)   |           |      |
 | e      | direction of an edge                                        | (t, 7, 3) | -    |
 
 Features of triangle (v0, v1, v2): 0 face; 1, 2, 3 edge v0v1, v1v2, v2v0; 4, 5, 6 vertex v0, v1, v2. What
 matters to contact is the shape, not its triangulation: an edge between coplanar triangles, and a vertex with
-only such edges, count as face, because there the foot slides freely. A vertex along a straight edge keeps its
+only such edges, count as face, because there the closest point slides freely. A vertex along a straight edge keeps its
 number but has that edge's direction; at a true corner e = 0, and A = I - e e^T = I.
 
 Triangles and tree never change; rotating the body is rotating y. The surface may be open: the edge of a cut

@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.body import rigid
 from hybrid.contact.search import distances
 
-TOUCH = 1e-3    # radii that two bodies may overlap, as facets of curved bodies that touch do
+ALLOWED_OVERLAP = 1e-3  # radii that two bodies may overlap, as facets of curved bodies that touch do
 
 
 def depth_of_overlap(one, other, collapsed):
@@ -26,7 +26,7 @@ def _depth(one, pose, other, place, collapsed):
     surface = one.surface
     corners = surface.vertices[surface.triangles]
     middle = corners.mean(axis=1)
-    below = middle - 2 * TOUCH * one.radius * surface.normals
+    below = middle - 2 * ALLOWED_OVERLAP * one.radius * surface.normals
     below = below[distances(below, surface)[0] < 0.0]
     edges = (0.5 * (corners[:, i] + corners[:, i - 1]) for i in range(3))
     position = pose.position + np.concatenate([surface.vertices, middle, below, *edges]) @ pose.rotation.T

@@ -23,7 +23,7 @@ import numpy as np
 
 from hybrid.body.attitude import skews
 from hybrid.body.closest import closest_facing
-from hybrid.body.facet_tree import LANES, joined, outside_bounds
+from hybrid.body.facet_tree import LANES, outside_bounds, tree_of_parts
 from hybrid.body.surface import ContactSurface
 from hybrid.contact import closest_points, soil_to_body
 from hybrid.contact.interface import NONE
@@ -276,9 +276,9 @@ def _normal_speeds(begun, rates_a, rates_b, poses, normals=None):
 @njit(cache=True, parallel=True)
 def _project(y, outward, beyond, start, clearance, radius, arrays, patches, points):
     """Fill `points` (ClosestPoints) for places now at y (m, 3); beyond: (m,) [m] as in `closest_facing`."""
-    gap, triangle, feature, foot, weights = points
+    gap, triangle, feature, closest_point, weights = points
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(y), LANES):
             x0, x1, x2 = y[n, 0] - start[n, 0], y[n, 1] - start[n, 1], y[n, 2] - start[n, 2]
             away = x0 * x0 + x1 * x1 + x2 * x2 < max(clearance[n], 0.0) ** 2
@@ -289,4 +289,4 @@ def _project(y, outward, beyond, start, clearance, radius, arrays, patches, poin
             t, f, x, w, g = closest_facing((y[n, 0], y[n, 1], y[n, 2]), normal, FACING, beyond[n], tree)
             triangle[n], feature[n], gap[n] = t, f, g
             for i in range(3):
-                foot[n, i], weights[n, i] = x[i], w[i]
+                closest_point[n, i], weights[n, i] = x[i], w[i]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, joined, outside_bounds
+from hybrid.body.facet_tree import LANES, outside_bounds, tree_of_parts
 from hybrid.runtime.jit import njit, prange
 
 CLOSED = 1e-12      # gap over the body's radius up to which a point is in contact: one that just touches has its stiffness
@@ -22,12 +22,12 @@ class PointStart(NamedTuple):
 
 class ClosestPoints(NamedTuple):
     """Closest points of the surface: gap (m,) [m], inf where the point cannot touch (the rest is then not set);
-    triangle, feature (m,); foot (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
+    triangle, feature (m,); closest_point (m, 3) [m], body frame; weights (m, 3) of the triangle's vertices."""
 
     gap: np.ndarray
     triangle: np.ndarray
     feature: np.ndarray
-    foot: np.ndarray
+    closest_point: np.ndarray
     weights: np.ndarray
 
     @classmethod
@@ -76,9 +76,9 @@ def _project(y, start, radius, arrays, patches, out):
     """Fill `out` for contact points now at y (m, 3). One that remembers its side of the body is
     projected wherever it is; any other one is skipped within its clearance or outside the body's bounds."""
     y_start, clearance, sides = start       # once, because each access in the loop would count references
-    gap, triangle, feature, foot, weights = out
+    gap, triangle, feature, closest_point, weights = out
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(y), LANES):
             side = sides[n, 0], sides[n, 1], sides[n, 2]
             without_history = side[0] == 0.0 and side[1] == 0.0 and side[2] == 0.0
@@ -90,4 +90,4 @@ def _project(y, start, radius, arrays, patches, out):
             t, f, x, w, g = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, side)
             triangle[n], feature[n], gap[n] = t, f, g
             for i in range(3):
-                foot[n, i], weights[n, i] = x[i], w[i]
+                closest_point[n, i], weights[n, i] = x[i], w[i]

@@ -23,13 +23,9 @@ TINY = 1e-300       # [N]
 class ContactPair(Pair):
     """A body and the contact points near it, those of `find_contact_points`."""
 
-    def __init__(self, body, state, history, domains, grid, active, reach, expected, limits=None,
-                 begins=False):
-        """body: RigidBody; state: BodyState; history: ContactHistory; domains: Domains of the soil's points; active,
-        reach, expected, limits, begins: as in find_contact_points."""
-        super().__init__(body, find_contact_points(
-            domains, body.contact_pressure, body.places, grid, active, state, body.surface, reach, history, expected, limits,
-            begins))
+    def __init__(self, soil, body, state, history, reach, expected, limits=None, begins=False):
+        """As find_contact_points."""
+        super().__init__(body, find_contact_points(soil, body, state, history, reach, expected, limits, begins))
         self._limits = None     # of the interface before `share_interface`
 
     def near(self, nodes, contact):

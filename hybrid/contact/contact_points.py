@@ -21,6 +21,7 @@ Equations: FORMULATION (39).
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,15 @@ from hybrid.soil.basis import find_cell, hat
 
 # Half-widths of its domain that an open point is behind its face: farther behind it is placed afresh where soil has turned
 SUNK = 0.1
+
+
+class SoilSurface(NamedTuple):
+    """Soil that bodies may touch in an increment: Domains of its points, their Grid, and `active` (N,) bool, the nodes that
+    carry mass."""
+
+    domains: object
+    grid: object
+    active: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -92,19 +102,19 @@ class ContactPoints:
         return position
 
 
-def find_contact_points(domains, pressure, places, grid, active, body, surface, reach, history, expected, limits=None,
-                        begins=False):
-    """Contact points within `reach` (Reach) of the surface of `body` (a BodyState).
+def find_contact_points(soil, body, state, history, reach, expected, limits=None, begins=False):
+    """ContactPoints within `reach` (Reach) of the surface of a RigidBody.
 
-    domains: Domains; pressure: (n,) p_f E [N/m³] of its contact with each; places: Places; active: (N,) bool, nodes that
-    carry mass; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil) and pose of the body
-    from which the step starts to iterate; limits: PointLimits of an interface of clay (`hybrid.contact.interface`);
-    begins: whether the run does, in which points close to the body are bonded to it.
+    soil: SoilSurface; state: BodyState; history: ContactHistory; expected: nodal increments (N, 3) [m] (None: held soil)
+    and pose of the body from which the step starts to iterate; limits: PointLimits of an interface of clay
+    (`hybrid.contact.interface`); begins: whether the run does, in which points close to the body are bonded to it.
     """
-    found = _within_reach(domains, places, grid.collapsed, body, surface, reach, history, begins)
+    domains, grid, active = soil
+    places, surface = body.places, body.surface
+    found = _within_reach(domains, places, grid.collapsed, state, surface, reach, history, begins)
     assert grid.nodes is None or grid.layers_for(found["position"]) <= grid.layers, "contact in cells of another process"
     if begins and limits is not None and limits.tension > 0.0:
-        _bond(found, domains, body, surface, limits.sharp)
+        _bond(found, domains, state, surface, limits.sharp)
     node, weight = _interpolation(found["position"], grid.axes, active)
     use = np.flatnonzero(weight.any(axis=1))
     use = use[np.lexsort((found["place"][use], found["point"][use]))]
@@ -112,19 +122,20 @@ def find_contact_points(domains, pressure, places, grid, active, body, surface, 
     point, place = found["point"], found["place"]
     normal = found["normal"]
     area = places.area(place, domains.half[point],
-                       domains.volume[point]) * domains.facing(places, point, place, normal)
+                       domains.volume[point]) * domains.projected_share(places, point, place, normal)
     if not domains.half.any():
         area = area / 2         # all eight corners of a point coincide: they share its stiffness
-    start = (found["position"] - body.position) @ body.rotation
+    start = (found["position"] - state.position) @ state.rotation
     extent = np.where(grid.collapsed[:, None], EVERYWHERE, grid.extent)
-    found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, body, surface, extent)
+    found["limits"], found["shared"] = place_limits(limits, found, area, domains, places, state, surface, extent)
     del found["normal"], found["opened"]
     if domains.ground is None and not places.at_corners:
-        found["outward"] = places.normal[place // places.offset.shape[1]]
-    points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=pressure[point] * area, **found)
+        found["outward"] = places.normal[places.group_of(place)]
+    stiffness = body.contact_pressure[point] * area
+    points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=stiffness, **found)
     is_open = ~points.touching
     points.anchor[is_open], points.side[is_open] = predicted_contact_points(
-        points.position[is_open], points.moved(expected[0])[is_open], body, expected[1], surface,
+        points.position[is_open], points.moved(expected[0])[is_open], state, expected[1], surface,
         points.clearance[is_open])
     return points
 

@@ -52,13 +52,13 @@ class Cover:
         return cls(place, normal, area, _kernel(place, normal, AROUND * width), cKDTree(np.hstack([place, width * normal])),
                    width, flat)
 
-    def layers(self, foot, normal, area, pose, extent):
+    def layers(self, closest_point, normal, area, pose, extent):
         """(m,) C at contact points with closest points and normals (m, 3) [m], in space, and areas (m,) [m²].
 
         pose: of the body; extent: (3, 2) [m] of the grid along its axes, without limits along those that are collapsed."""
         position, rotation = pose
-        foot = _flattened((foot - position) @ rotation, self.flat)
-        _, patch = self.tree.query(np.hstack([foot, self.width * normal @ rotation]))
+        closest_point = _flattened((closest_point - position) @ rotation, self.flat)
+        _, patch = self.tree.query(np.hstack([closest_point, self.width * normal @ rotation]))
         place = position + self.place @ rotation.T
         inside = ((place >= extent[:, 0]) & (place <= extent[:, 1])).all(axis=1)
         covered = self.near @ np.bincount(patch, area, len(place))

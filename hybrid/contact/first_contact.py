@@ -28,7 +28,7 @@ import numpy as np
 
 from hybrid.body.attitude import log_so3, turned
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, NO_SIDE, joined, outside_bounds
+from hybrid.body.facet_tree import LANES, NO_SIDE, outside_bounds, tree_of_parts
 from hybrid.runtime.jit import njit, prange
 
 GRAZING = 0.05     # of its path: a point nearer than this that is predicted to stay off may touch on the way
@@ -68,7 +68,7 @@ def predicted_contact_points(start, end, body, pose, surface, clearance):
 def _find(motion, clearance, radius, arrays, patches, point, side):
     """point: (m, 3) places in the body frame at the start; replaced by the first-contact points."""
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(point), LANES):
             first, last = (point[n, 0], point[n, 1], point[n, 2]), _position(n, motion, 1.0)
             x0, x1, x2 = last[0] - first[0], last[1] - first[1], last[2] - first[2]

@@ -41,7 +41,7 @@ def hold(closest, y, facet, surface):
     normal = surface.tree.normals[facet[held], 0]
     gap = np.einsum("ci,ci->c", y[held] - surface.vertices[surface.triangles[facet[held], 0]], normal)
     closest.gap[held], closest.triangle[held], closest.feature[held] = gap, facet[held], 0
-    closest.foot[held] = y[held] - gap[:, None] * normal
+    closest.closest_point[held] = y[held] - gap[:, None] * normal
 
 
 def facet_error(points, contact, position, centre, rotation, surface):

@@ -32,7 +32,7 @@ from hybrid.body.facet_tree import NO_SIDE
 from hybrid.body.surface import ContactSurface
 from hybrid.contact.closest_points import nearest
 from hybrid.contact.cover import Cover
-from hybrid.contact.interface_shares import BEARERS, borne_by_each
+from hybrid.contact.interface_shares import BEARERS, carried_by_each
 from hybrid.contact.search import distances
 from hybrid.runtime.jit import njit
 
@@ -44,17 +44,16 @@ EVERYWHERE = np.array([[-np.inf, np.inf]] * 3)
 
 @dataclass(frozen=True)
 class Interface:
-    """adhesion: α, None where friction alone limits the shear; elsewhere: [Pa] limit
-    of the shear of soil that is no clay, inf or, without friction, 0; tension: σ_t [Pa], 0 without a bond, inf for ever;
-    sharp: ContactSurface on whose area they act, None for the one in contact: edges that this has rounded off are clay's as
-    well; cover: Cover of that area, None where contact points bear whatever they are given; rubs: whether friction limits
-    the shear as well."""
+    """adhesion: α, None where friction alone limits the shear; elsewhere: [Pa] limit of the shear of soil that is no clay,
+    inf or, without friction, 0; tension: σ_t [Pa], 0 without a bond, inf for ever; sharp: ContactSurface on whose area they
+    act, None for the one in contact: edges that this has rounded off are clay's as well; cover: Cover of that area, None
+    where contact points carry whatever they are given; frictional: whether friction limits the shear as well."""
 
     adhesion: float | None
     tension: float
     sharp: ContactSurface | None = None
     cover: Cover | None = None
-    rubs: bool = False
+    frictional: bool = False
     elsewhere: float = np.inf
 
     def of_points(self, law, plastic_strain):
@@ -62,19 +61,18 @@ class Interface:
         shear = None
         if self.adhesion is not None:
             shear = np.where(law.undrained, self.adhesion * law.shear_strength(plastic_strain), self.elsewhere)
-        return PointLimits(shear, self.tension, self.sharp, self.cover, self.rubs)
+        return PointLimits(shear, self.tension, self.sharp, self.cover, self.frictional)
 
 
 class PointLimits(NamedTuple):
     """Stresses [Pa] that the interface carries: shear (n,) α s_u of each point of clay, `elsewhere` of others,
-    None without adhesion; tension; and the
-    `sharp` surface of Interface, its `cover`, and whether it `rubs`."""
+    None without adhesion; tension; and the `sharp` surface of Interface, its `cover`, and whether it is `frictional`."""
 
     shear: np.ndarray | None
     tension: float
     sharp: ContactSurface | None = None
     cover: Cover | None = None
-    rubs: bool = False
+    frictional: bool = False
 
 
 class PlaceLimits(NamedTuple):
@@ -113,32 +111,32 @@ def place_limits(limits, found, area, domains, places, body, surface, extent=EVE
     if limits.cover is not None:
         layers = partial(limits.cover.layers, pose=body.pose, extent=extent)
     found = found | {"area": own}
-    borne = borne_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
+    carried = carried_by_each(found, before_body & (own > 0.0), domains, places, 1 if bonds else BEARERS, layers)
     if limits.shear is not None:
-        shear = _sheared(borne, limits.shear[found["point"]], own)
-    if limits.rubs:     # a point that closes takes load off others: it has friction before adhesion is shared anew
+        shear = _sheared(carried, limits.shear[found["point"]], own)
+    if limits.frictional:   # a point that closes takes load off others: it has friction before adhesion is shared anew
         shear = np.where(found["touching"], shear, _sheared(lambda alone: alone, limits.shear[found["point"]], area))
     if bonds:       # a bond holds whatever presses
         opened, bonded = found["opened"], found["touching"] & (own > 0.0)
         bonded[bonded] = on_faces(*(found[name][bonded] for name in ("position", "normal")), body, surface, limits.sharp)
         tension = np.where(bonded & ~opened, limits.tension, 0.0)
         if np.isfinite(limits.tension):
-            tension *= borne(own)
+            tension *= carried(own)
 
     def shared(touching, pressed):
         areas = np.where(touching, area, own)
         now = found | {"touching": touching, "pressed": pressed, "area": areas}
-        borne = borne_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS, layers)
-        return _sheared(borne, limits.shear[found["point"]], areas)
+        carried = carried_by_each(now, before_body & (areas > 0.0), domains, places, BEARERS, layers)
+        return _sheared(carried, limits.shear[found["point"]], areas)
 
     return PlaceLimits(shear, tension, opened), None if bonds or places.at_corners or limits.shear is None else shared
 
 
-def _sheared(borne, shear, area):
+def _sheared(carried, shear, area):
     """Limits of shear (m,) [N] by those of the soil's points, (m,) [Pa], which is inf where friction alone limits them: such
     points bear no clay's adhesion, and no other bears theirs."""
     free = np.isinf(shear)
-    return np.where(free, np.inf, borne(np.where(free, 0.0, shear) * area))
+    return np.where(free, np.inf, carried(np.where(free, 0.0, shear) * area))
 
 
 def on_faces(position, normal, body, surface, sharp):
@@ -165,7 +163,8 @@ def _before_sharp(found, area, domains, places, body, sharp):
     normal = np.where(open_[:, None], normal @ body.rotation.T, found["normal"])
     clearance = np.where(open_, distance, found["clearance"])
     point, place = found["point"], found["place"]
-    seen = places.area(place, domains.half[point], domains.volume[point]) * domains.facing(places, point, place, normal)
+    share = domains.projected_share(places, point, place, normal)
+    seen = places.area(place, domains.half[point], domains.volume[point]) * share
     before = lie_before(y, normal @ body.rotation, sharp.tree)
     return found | {"normal": normal, "clearance": clearance}, np.where(open_, seen, area), before
 
@@ -200,9 +199,9 @@ def lie_before(y, normal, tree):
     surface, and not beside an edge; all in the body frame."""
     before = np.ones(len(y), np.bool_)
     for n in range(len(y)):
-        _, _, foot, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
+        _, _, closest_point, _, gap = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
         along = 0.0
         for i in range(3):
-            along += (y[n, i] - foot[i]) * normal[n, i]
+            along += (y[n, i] - closest_point[i]) * normal[n, i]
         before[n] = gap <= 0.0 or along >= ALONG * gap
     return before

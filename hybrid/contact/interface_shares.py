@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
-from hybrid.runtime.comm import joined, offset
+from hybrid.runtime.comm import gathered, offset
 
 BEFORE = 0.5    # half-widths before a face, where the domain of a point that covers it lies
 AROUND = 4.0    # widths of a domain up to which a contact point bears the interface of others
@@ -23,40 +23,40 @@ SPARE = 1.05    # layers that count as one: of a single one places are not sprea
 TINY = 1e-30    # [m³], area times overlap, of a contact point that nothing presses
 
 
-def borne_by_each(found, borne, domains, places, most, layers):
-    """Function that gives the sums (m,) of the values (m,) of all contact points that each of them bears; borne: (m,) bool,
-    those that another may bear, of this process or another one; most: number of points that share the value of one;
+def carried_by_each(found, carried, domains, places, most, layers):
+    """Function that gives the sums (m,) of the values (m,) of all contact points that each of them carries; carried: (m,)
+    bool, those that another may carry, of this process or another one; most: number of points that share the value of one;
     layers: of Cover, None where it does not count in how many the points lie."""
     if places.at_corners:
         return lambda values: values
     order = own = ...
     if domains.number is not None:
         found, domains, order, own = _of_all_processes(found, domains)
-    shares = _shares(found, joined(borne)[order], domains, places, most, layers)
-    return lambda values: (shares @ joined(values)[order])[own]
+    shares = _shares(found, gathered(carried)[order], domains, places, most, layers)
+    return lambda values: (shares @ gathered(values)[order])[own]
 
 
 def _of_all_processes(found, domains):
     """Contact points of all processes, by the numbers of their points, and the domains that they are on; their order among
     those of one process after the other; and which (m,) of them are those of this process."""
     point = found["point"]
-    number, place = joined(domains.number[point]), joined(found["place"])
+    number, place = gathered(domains.number[point]), gathered(found["place"])
     order = np.lexsort((place, number))
     own = np.argsort(order)[offset(len(point)):][:len(point)]
     _, first, point_of_all = np.unique(number[order], return_index=True, return_inverse=True)
-    position, half = (joined(values[point])[order][first] for values in (domains.position, domains.half))
-    found = {name: joined(found[name])[order]
+    position, half = (gathered(values[point])[order][first] for values in (domains.position, domains.half))
+    found = {name: gathered(found[name])[order]
              for name in ("place", "position", "normal", "clearance", "touching", "pressed", "area")}
     return found | {"point": point_of_all}, replace(domains, position=position, half=half), order, own
 
 
-def _shares(found, borne, domains, places, most, layers):
+def _shares(found, carried, domains, places, most, layers):
     """Sparse matrix (m, m): the share of the interface of each contact point, its column, that each bears, its row;
-    borne: (m,) bool, those that another may bear; most, layers: as in `borne_by_each`."""
-    m, half = len(borne), domains.half[found["point"]]
+    carried: (m,) bool, those that another may carry; most, layers: as in `carried_by_each`."""
+    m, half = len(carried), domains.half[found["point"]]
     height = 2 * np.einsum("ci,ci->c", np.abs(found["normal"]), half)
     touching = np.flatnonzero(found["touching"])
-    near = np.flatnonzero((found["clearance"] < height) & borne & ~found["touching"])
+    near = np.flatnonzero((found["clearance"] < height) & carried & ~found["touching"])
     bearer, share, of = touching, np.ones(len(touching)), touching
     if len(touching) and len(near):
         near = near[_exposed(found, near, domains, places)]
@@ -74,8 +74,8 @@ def _excess(found, chosen, layers):
     """(m,) factor, 1 or more, by which `chosen` contact points (k,) cover the surface of the body too often around each of
     them; layers: of Cover."""
     excess, normal = np.ones(len(found["point"])), found["normal"][chosen]
-    foot = found["position"][chosen] - found["clearance"][chosen, None] * normal
-    excess[chosen] = np.maximum(1.0, layers(foot, normal, found["area"][chosen]) / SPARE)
+    closest_point = found["position"][chosen] - found["clearance"][chosen, None] * normal
+    excess[chosen] = np.maximum(1.0, layers(closest_point, normal, found["area"][chosen]) / SPARE)
     return excess
 
 
@@ -94,7 +94,7 @@ def _divided(found, near, touching, width, count):
 
 def _exposed(found, near, domains, places):
     """(k,) bool, whether no other domain lies before the faces on which contact points `near` (k,) are."""
-    group = found["place"] // places.offset.shape[1]
+    group = places.group_of(found["place"])
     faces, face = np.unique(found["point"][near] * len(places) + group[near], return_inverse=True)
     point, group = faces // len(places), faces % len(places)
     half = domains.half[point]

@@ -55,7 +55,7 @@ class Places:
         return bool(self.axis[0] < 0)
 
     @property
-    def along(self):
+    def per_edge(self):
         """Number of places along the edge of a face, 1 for corners."""
         return 1 if self.at_corners else round(self.share ** (-1 / max(1, len(set(self.axis)) - 1)))
 
@@ -69,6 +69,10 @@ class Places:
         """(g, 3) largest distance of a place from the middle of its group, in half-widths."""
         return np.abs(self.offset - self.centre[:, None]).max(axis=1)
 
+    def group_of(self, number):
+        """(m,) group of each place `number` (m,)."""
+        return number // self.offset.shape[1]
+
     def group_may_face(self, group, normal):
         """(m,) bool, whether a place of `group` (m,) may look at a body whose normal at its middle is (m, 3)."""
         return -np.einsum("mi,mi->m", self.normal[group], normal) > -TURN
@@ -80,7 +84,7 @@ class Places:
 
     def area(self, number, half, volume):
         """Area (m,) [m²] of places `number` (m,) on domains of half-widths (m, 3) [m] and initial volume (m,) [m³]."""
-        group = number // self.offset.shape[1]
+        group = self.group_of(number)
         if self.at_corners:
             return self.share * volume ** (2 / 3)
         across = np.where(np.arange(3) == self.axis[group, None], 1.0, 2 * half)
@@ -88,14 +92,14 @@ class Places:
 
     def up(self, number):
         """(m,) bool, whether places `number` (m,) are on the upper face."""
-        return self.normal[number // self.offset.shape[1], 2] > 0.0
+        return self.normal[self.group_of(number), 2] > 0.0
 
-    def facing(self, number, normal):
+    def projected_share(self, number, normal):
         """max(0, -n·N) (m,) [-] of places `number` (m,) and the outward normals N (m, 3) of the body there; 1 for
         corners."""
         if self.at_corners:
             return np.ones(len(number))
-        own = self.normal[number // self.offset.shape[1]]
+        own = self.normal[self.group_of(number)]
         return np.maximum(0.0, -np.einsum("mi,mi->m", own, normal))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from hybrid.body.closest import closest
 from hybrid.body.parts import vector_areas
 from hybrid.body.patches import point, unit_normal
-from hybrid.body.sharp_edges import BEND
+from hybrid.body.sharp_edges import SHARP_ANGLE
 from hybrid.body.smooth import shared_edges
 from hybrid.contact.search import distances
 from hybrid.runtime.jit import njit
@@ -157,7 +157,7 @@ def _edges(surface, spacing, width, corner, sagitta):
     corners = surface.vertices[surface.triangles]
     behind = corners[t[:, 1]].mean(axis=1) - corners[t[:, 0]].mean(axis=1)
     bend = np.minimum(*(np.arccos(np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0)) for pair in (start, end)))
-    chosen = np.flatnonzero((bend > BEND) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
+    chosen = np.flatnonzero((bend > SHARP_ANGLE) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
     points, normals, areas, beside = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)], [np.zeros((0, 2, 3))]
     turning = surface.turning
     for e in chosen:
@@ -197,7 +197,7 @@ def _tips(surface, normal):
     for step in (1, 2):
         above = np.einsum("tki,tki->tk", np.roll(corners, -step, axis=1) - corners, normal[surface.triangles]) >= 0.0
         np.logical_or.at(low, surface.triangles, above)
-    return np.flatnonzero((along < np.cos(BEND)) & ~low)
+    return np.flatnonzero((along < np.cos(SHARP_ANGLE)) & ~low)
 
 
 def _beside_tip(surface, tip):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, NO_SIDE, joined
+from hybrid.body.facet_tree import LANES, NO_SIDE, tree_of_parts
 from hybrid.contact import places
 from hybrid.runtime.comm import largest, total
 from hybrid.runtime.jit import njit, prange
@@ -59,13 +59,13 @@ class Domains:
         return cls(points.position, half, constants.volume, points.active, constants.number, ground,
                    points.deformation)
 
-    def facing(self, places, point, number, normal):
+    def projected_share(self, places, point, number, normal):
         """Area (m,) [-] projected along normals (m, 3) of a body over that of the faces that `places` are on; point,
         number: (m,) of each."""
-        usual = places.facing(number, normal)
+        usual = places.projected_share(number, normal)
         if self.ground is None or places.at_corners:
             return usual
-        return self.ground.facing(point, places.up(number), places.flat[number], normal, usual)
+        return self.ground.projected_share(point, places.up(number), places.flat[number], normal, usual)
 
     def turned(self, point):
         """Whether points (m,) have turned by more than TURNED since the start, by the rotation R of F = R U."""
@@ -77,7 +77,7 @@ class Domains:
     def sunk(self, point, number, position, places):
         """Distance (m,), in half-widths, of positions (m, 3) [m] of places of these numbers behind their faces, less that by
         which they may be moved to the ground; 0 of corners, which are on no face."""
-        normal = places.normal[number // places.offset.shape[1]]
+        normal = places.normal[places.group_of(number)]
         half = np.maximum((self.half[point] * np.abs(normal)).sum(axis=1), 1e-300)
         behind = half - ((position - self.position[point]) * normal).sum(axis=1) - self.shift(point, places) * normal[:, 2]
         return np.zeros(len(point)) if places.at_corners else behind / half
@@ -130,7 +130,7 @@ def new_points(domains, places, collapsed, body, surface, reach, known):
         point, number, position = point[kept], number[kept], position[kept]
     position, normal, distance = gaps_in_space(position, collapsed, body, surface, farthest)
     within = distance <= reach.at(position, normal, body)
-    stay = np.flatnonzero(within & (domains.facing(places, point, number, normal) > 0.0))
+    stay = np.flatnonzero(within & (domains.projected_share(places, point, number, normal) > 0.0))
     return {"point": point[stay], "place": number[stay], "position": position[stay], "clearance": distance[stay],
             "normal": normal[stay], "rest": np.minimum(distance[stay], 0.0)}
 
@@ -185,7 +185,7 @@ def _mark(position, half, centre, rotation, lower, upper, near):
 @njit(cache=True, parallel=True)
 def _distances(y, reach, arrays, patches, out, normal):
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(y), LANES):
             triangle, feature, _, _, out[n] = closest((y[n, 0], y[n, 1], y[n, 2]), reach, tree, NO_SIDE)
             if triangle >= 0:

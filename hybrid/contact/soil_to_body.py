@@ -1,6 +1,6 @@
 """Law of contact: points on the soil's surface against the surface of a body, with friction, adhesion and a bond.
 
-    y = R^T (x_c - c)      y - foot = g N      p = ε_N (g_0 - g) > 0
+    y = R^T (x_c - c)      y - y_s = g N      p = ε_N (g_0 - g) > 0
     z = y - y_anchor       g_t = P z,  P = I - N N^T
     stick  |ε_T g_t| <= μ p :  f = -p N + ε_T g_t
     slip   otherwise        :  f = -p N + μ p s,  s = g_t/|g_t|
@@ -14,7 +14,7 @@ force on the contact point. The normal turns with y on a curved face, at an edge
 
 | symbol     | meaning                                             | in the kernels                      | unit |
 |------------|-----------------------------------------------------|-------------------------------------|------|
-| g, foot    | signed gap and closest point of the surface         | ClosestPoints.gap, foot             | m    |
+| g, y_s     | signed gap and closest point of the surface         | ClosestPoints.gap, .closest_point   | m    |
 | N, ∂g/∂y   | outward normal and gradient of the gap              | N, dgap of `body.closest`           | -    |
 | G          | ∂N/∂y                                               | G of `body.closest.gap_geometry`    | 1/m  |
 | p          | pressure                                            | p                                   | N    |
@@ -235,7 +235,7 @@ def contact_law(points, closest, coulomb, tree, out):
     """The law of the module's head at every closed point."""
     # unpacked once, because each access in the loop would count references
     y, y_anchor, origin, stiffness, rest, limits, sticking, steady = points
-    gap, triangle, feature, foot, weights = closest
+    gap, triangle, feature, closest_point, weights = closest
     shear, tension, _ = limits
     force, tangent, turning, ramp, slip, anchor, side, energy, dissipated, opened = out
     M, g_t, t, K, bonds = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty((3, 3)), len(tension) > 0
@@ -248,7 +248,7 @@ def contact_law(points, closest, coulomb, tree, out):
         if bonded and p < -tension[n]:
             energy[n] = work_to_break(tension[n], p, eps_n)
             p, slope, opened[n] = -tension[n], 0.0, True
-        N, dgap, G = gap_geometry(y[n], foot[n], weights[n], gap[n], triangle[n], feature[n], tree)
+        N, dgap, G = gap_geometry(y[n], closest_point[n], weights[n], gap[n], triangle[n], feature[n], tree)
         for i in range(3):
             side[n, i], anchor[n, i], force[n, i] = N[i], y_anchor[n, i], -p * N[i]
             for j in range(3):

@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from hybrid.body.closest import closest
-from hybrid.body.facet_tree import LANES, NO_SIDE, OPPOSITE, joined
+from hybrid.body.facet_tree import LANES, NO_SIDE, OPPOSITE, tree_of_parts
 from hybrid.contact.closest_points import gaps_within_bounds
 from hybrid.runtime.comm import total
 from hybrid.runtime.jit import njit, prange
@@ -64,7 +64,7 @@ def pierced(start, path, finest, tree):
 @njit(cache=True, parallel=True)
 def _walk(start, path, finest, arrays, patches, found):
     for lane in prange(LANES):
-        tree = joined(arrays, patches)
+        tree = tree_of_parts(arrays, patches)
         for n in range(lane, len(start), LANES):
             found[n] = _pierces((start[n, 0], start[n, 1], start[n, 2]), (path[n, 0], path[n, 1], path[n, 2]), finest, tree)
 

@@ -27,7 +27,7 @@ class CopiedSystem(Blocks):
         self.body_unknowns, self.soil_unknowns = m, comm.count(own)
         rows, columns = np.repeat(numbers, np.diff(pattern.indptr)), numbers[pattern.indices]
         size = self.soil_unknowns
-        whole = coo_matrix((np.ones(comm.number(rows)), (comm.joined(rows), comm.joined(columns))), (size, size)).tocsr()
+        whole = coo_matrix((np.ones(comm.number(rows)), (comm.gathered(rows), comm.gathered(columns))), (size, size)).tocsr()
         whole.sort_indices()
         whole.data = np.arange(whole.nnz)
         self._places = np.asarray(whole[rows, columns]).ravel() if len(rows) else np.zeros(0, int)
@@ -50,5 +50,5 @@ class CopiedSystem(Blocks):
 
     def solve(self, soil, body, tolerance=None):
         """As DistributedSystem.solve."""
-        found, bodies, count = self._whole.solve(comm.joined(soil[self._own]), body, tolerance)
+        found, bodies, count = self._whole.solve(comm.gathered(soil[self._own]), body, tolerance)
         return found[self._numbers], bodies, count

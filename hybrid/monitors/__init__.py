@@ -20,7 +20,7 @@
 | BodyOverlap      | bodies are pressed deep into one another                                |
 | GroundImpact     | bodies that hit held ground or elastic soil lose energy without a cause |
 | LastImpact       | a run ends in an impact of bodies that has lost energy without a cause  |
-| IdleAdhesion     | clay that touches a body has too little pressure to bear its adhesion   |
+| IdleAdhesion     | clay that touches a body has too little pressure for its adhesion       |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |
 

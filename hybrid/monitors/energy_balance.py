@@ -20,7 +20,7 @@ LIFT = 0.01     # of a cell: energy that lifts all bodies by less is no scale, a
 class EnergyBalance(Monitor):
     """Warns once of an unaccounted gain, and once of an unaccounted loss of most of the energy in one step, as happens
     where an impact falls into one step. A scheme of first order is meant to lose energy, and a quasi-static run has no
-    history in time. Where a run starts from rest, the first steps store so little that a light touch of contact would
+    history in time. Where a run starts from rest, the first steps store so little that a light contact would
     count: energies are compared with LIFT of a cell times the weight of the bodies at least, and a gain is judged when
     the energy has a scale, and reported with the time at which it began."""
 

@@ -42,8 +42,8 @@ class FlowingSoil(Monitor):
         # (number, time [s], bodies, which of them touch the soil, plastic work [J], elastic energy [J]) of the last step
         self._last = None
         if state is not None and not model.soil.held:
-            touch = [anywhere(history.touching) for history in state.contacts]
-            self._last = state.step, state.time, state.bodies, touch, 0.0, model.soil.stored_energy(state.points)
+            in_contact = [anywhere(history.touching) for history in state.contacts]
+            self._last = state.step, state.time, state.bodies, in_contact, 0.0, model.soil.stored_energy(state.points)
 
     def warnings(self, view):
         """Time, flow, limit and remedy."""
@@ -51,14 +51,14 @@ class FlowingSoil(Monitor):
         if view.scheme.inertia or soil.held or not soil.law.plastic or not view.model.gravity.any():
             return
         now = view.state
-        touch = [anywhere([len(contact)]) for contact in view.contacts]
+        in_contact = [anywhere([len(contact)]) for contact in view.contacts]
         works = view.energy["plastic"], view.energy["elastic"]
-        last, self._last = self._last, (now.step, now.time, now.bodies, touch, *works)
+        last, self._last = self._last, (now.step, now.time, now.bodies, in_contact, *works)
         if last[0] != now.step - 1:     # first step of a run that is resumed
             return
         _, time, bodies, touched, plastic, elastic = last
         stored = abs(view.energy["elastic"] - elastic)      # or given back, where a body is lifted off
-        if view.energy["plastic"] - plastic <= SHARE * stored or _pushed(view, bodies, np.logical_or(touch, touched)):
+        if view.energy["plastic"] - plastic <= SHARE * stored or _pushed(view, bodies, np.logical_or(in_contact, touched)):
             if not self.given("flow"):      # it has come to rest
                 self._flow, self._since = 0.0, None
             return
@@ -75,10 +75,10 @@ class FlowingSoil(Monitor):
                 "ground, or follow the collapse with time.inertia = true")
 
 
-def _pushed(view, before, touch):
+def _pushed(view, before, in_contact):
     """Whether a body that touches the soil, or has until then, has moved in the step; before: BodyState of each body at its
-    begin; touch: (nb,) bool."""
-    return any(touch[b] and _moved(body, before[b], after) > STILL * view.report.moved
+    begin; in_contact: (nb,) bool."""
+    return any(in_contact[b] and _moved(body, before[b], after) > STILL * view.report.moved
                for b, body, after, _ in view.bodies)
 
 

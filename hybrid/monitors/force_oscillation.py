@@ -72,8 +72,8 @@ def _found(forces):
     if deviation > LIMIT and reversals >= REVERSALS:
         return (f"it deviates by {deviation:.0%} from its mean (root mean square, last {STEPS} steps), limit "
                 f"{LIMIT:.0%}, and reverses {reversals} times")
-    touches = np.array(forces) > 0.0
-    losses = np.count_nonzero(touches[:-1] & ~touches[1:])
+    in_contact = np.array(forces) > 0.0
+    losses = np.count_nonzero(in_contact[:-1] & ~in_contact[1:])
     return f"contact is lost {losses} times in {len(forces)} steps, limit {LOSSES - 1}" if losses >= LOSSES else ""
 
 

@@ -1,6 +1,6 @@
 """Energy that bodies lose when they hit one another, held ground or elastic soil, in increments too long for their contact.
 
-Increments resolve an impact between bodies (`hybrid.step.pair_terms`), but not light touches. Unresolved, a cradle of three
+Increments resolve an impact between bodies (`hybrid.step.pair_terms`), but not light contacts. Unresolved, a cradle of three
 steel balls loses 54 % of its energy in two impacts with steps of twice their contact, and wedges that tumble into one
 another gain up to 32 %. No single one may lose enough to be reported by `EnergyBalance`, and the scheme hands an impulse on
 over some steps, so the loss is summed while bodies are near one another, and judged when nothing has happened for a few
@@ -173,8 +173,7 @@ class LastImpact(ImpactLoss):
 
 def _free_energy(bodies, motions):
     """Kinetic energy [J] of the bodies that nothing drives: what drives one gives it back what it loses."""
-    rates = [np.concatenate([motion.velocity, motion.rotation @ motion.spin]) for motion in motions]
-    free = [pair for *pair, rate in zip(bodies, motions, rates) if not rate[~pair[0].free].any()]
+    free = [pair for pair in zip(bodies, motions) if not pair[1].spatial_rates[~pair[0].free].any()]
     return motion_energy(*zip(*free)) if free else 0.0
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid.laws.hencky import BULK, SHEAR
-from hybrid.runtime.comm import anywhere, joined, total
+from hybrid.runtime.comm import anywhere, gathered, total
 from hybrid.soil.points import extent
 
 TOLERANCE = 1e-3    # share of the weight from which a run warns; results are right to as much
@@ -116,7 +116,7 @@ def _falls(step, evaluation):
 def _largest(size, grid):
     """Place (3,) [m] of the node with the largest `size` (N,) in all processes, of equal ones the first along x, y and z."""
     node = np.unravel_index(int(np.argmax(size)), grid.shape)
-    found = joined(np.array([[size.max(), *(nodes[i] for nodes, i in zip(grid.axes, node))]]))
+    found = gathered(np.array([[size.max(), *(nodes[i] for nodes, i in zip(grid.axes, node))]]))
     first = np.lexsort((*found.T[:0:-1], -found[:, 0]))[0]
     return tuple(map(float, found[first, 1:]))
 

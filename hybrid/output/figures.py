@@ -88,7 +88,7 @@ def tension(folder, path=None, against="time"):
     history = {column: values[first:] for column, values in history.items()}
     column = {name: force_column(history, f"{name}_tension") for name in body_names(history)}
     pulled = [name for name in column if np.any(history[column[name]])]
-    whole = ", whole body" if any("whole" in column[name] for name in pulled) else ""
+    whole = ", whole body" if any(column[name].endswith("_whole_N") for name in pulled) else ""
     largest = max((np.abs(history[column[name]]).max() for name in pulled), default=0.0)
     scale, unit = force_unit(largest)
     with figure(path) as drawing:

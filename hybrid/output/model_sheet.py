@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid.body.rigid import FREEDOMS
+from hybrid.body.rigid import FREEDOMS, reduced_mass
 from hybrid.body.symmetry import copies, part_of_whole
 from hybrid.laws.sand import material_values
 from hybrid.linalg.solver_choice import SolverChoice
@@ -189,17 +189,17 @@ def _pairs(scene, model):
 def _contact_time(model, pair):
     """How long two bodies touch when they hit one another, which sets the increments; nothing about bodies that do not move
     by themselves."""
-    moving = [model.bodies[b].mass.mass for b in pair.numbers if model.bodies[b].free[:3].any()]
-    if not (model.scheme.inertia and moving):
+    mass = reduced_mass([model.bodies[b] for b in pair.numbers])
+    if np.isinf(mass) or not model.scheme.inertia:
         return ""
-    slow, impact = pair.contact_times(1.0 / sum(1.0 / mass for mass in moving))
-    return (f"; a slow touch takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
+    slow, impact = pair.contact_times(mass)
+    return (f"; a slow contact takes {slow:.2g} s and an impact at v m/s {impact:.2g}/v s if that is less, "
             "increments in it a twentieth of that")
 
 
 def _symmetry(model):
     """Row about the planes of symmetry that bodies lie in, if there are any."""
-    mirrors = {(m.axis, m.at): m for body in model.bodies for m in body.mirrors}.values()
+    mirrors = model.mirrors
     if not mirrors:
         return {}
     return {"symmetry": [part_of_whole(mirrors),

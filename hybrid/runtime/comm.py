@@ -86,7 +86,7 @@ def norm(vector):
 # ------------------------------------------------------------------ exchange of arrays
 
 
-def joined(values):
+def gathered(values):
     """The entries of all processes, one process after the other, in every process: for few entries."""
     return np.concatenate(world().allgather(np.asarray(values))) if _split else values
 

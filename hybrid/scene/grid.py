@@ -69,6 +69,10 @@ class Faces:
     z_min: Condition = key(_FACE.format("lower", "z"), default="roller")
     z_max: Condition = key(_FACE.format("upper", "z"), default="free")
 
+    def of(self, axis, side):
+        """Condition of the face across axis 0, 1 or 2 at its lower (side 0) or upper end (1)."""
+        return getattr(self, f"{'xyz'[axis]}_{('min', 'max')[side]}")
+
 
 @table
 class Grid:

@@ -24,7 +24,7 @@ import numpy as np
 
 from hybrid.body.curvature import curvature_radius
 from hybrid.contact import body_to_body
-from hybrid.contact.bodies import TOUCH, depth_of_overlap, volume_of_overlap
+from hybrid.contact.bodies import ALLOWED_OVERLAP, depth_of_overlap, volume_of_overlap
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.samples import flat_overlap, sample
 from hybrid.contact.soil_to_body import Coulomb
@@ -50,7 +50,7 @@ def refuse_overlap_of_bodies(placed, joined, collapsed):
             continue
         one, other = placed[first], placed[second]
         depth = depth_of_overlap(one, other, collapsed)
-        if depth > TOUCH * min(one[0].radius, other[0].radius):
+        if depth > ALLOWED_OVERLAP * min(one[0].radius, other[0].radius):
             volume = volume_of_overlap(one, other)
             raise SceneError(f"bodies {one[0].name!r} and {other[0].name!r} overlap at the start, by {depth:.3g} m or "
                              f"more and about {volume:.2g} m³; move one of them by body.position or body.rest_on. Join "
@@ -144,10 +144,10 @@ def _extents(surface, motion, collapsed):
 def _history(pair, motions):
     """PairHistory at the start, whose places inside the other body have no force."""
     poses, empty, parts = [motion.pose for motion in motions], PairHistory.empty(), []
-    if pair.distance(poses) > TOUCH * pair.size:
+    if pair.distance(poses) > ALLOWED_OVERLAP * pair.size:
         return empty
     for i, side in enumerate(pair.sides):
-        begun = body_to_body.begin(side, poses, poses, TOUCH * pair.size, empty.side(i), pair.stiffness, pair.law,
+        begun = body_to_body.begin(side, poses, poses, ALLOWED_OVERLAP * pair.size, empty.side(i), pair.stiffness, pair.law,
                                    pair.collapsed)
         depth = begun.places.depth
         found = replace(begun, rest=-depth, overlap=np.full(len(depth), np.inf)).evaluate(poses)

@@ -27,7 +27,7 @@ from hybrid.setup.settle import settle
 from hybrid.setup.size import refuse_cells, refuse_size
 from hybrid.setup.soil import build_soil
 from hybrid.setup.stages import refuse_implied
-from hybrid.setup.symmetry import in_part, stray_cap, with_symmetry
+from hybrid.setup.symmetry import in_part, unmirrored_cut, with_symmetry
 from hybrid.simulation import Simulation
 from hybrid.state import ContactHistory, State
 from hybrid.step import joint_rates, processes
@@ -91,9 +91,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     bodies = [_connected(*one, soil, gravity, alone=len(placed) == 1)
               for one in zip(scene.bodies, meshes, mirrors, placed)]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
-    taken = []
+    removed_soil = []
     if any(inside):
-        soil, points, contacts, taken = put_in_place(
+        soil, points, contacts, removed_soil = put_in_place(
             soil, points, *([one if there else None for one, there in zip(items, inside)] for items in (bodies, motions)))
         bodies = [with_stiffness(body, soil.law.young, soil.held) for body in bodies]
     contacts = flush_contacts(soil, points, bodies, motions, contacts)
@@ -106,13 +106,13 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     if moving_grid is not None:
         state.ground = moving_grid.first_ground(layouts, soil)
     settled = None
-    if taken:
+    if removed_soil:
         model, state = processes.balanced(model, state)
-    if taken or scene.soil.ground is not None:
+    if removed_soil or scene.soil.ground is not None:
         model, state, settled = settle(model, state, scene.step_of(scene.stages[0]))
     carried_grid = build_carried_grid(scene, grid, placed, moving_grid)
     return Simulation(scene, model, state, meshes, moving_grid, carried_grid, accuracy, (*decisions, *held),
-                      _start(taken, settled, bodies, carried_grid))
+                      _start(removed_soil, settled, bodies, carried_grid))
 
 
 def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
@@ -122,16 +122,16 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
     connected = connect_to_soil(described, body, motion.rotation, soil, gravity, alone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
-    connected = replace(connected, stray_cap=stray_cap(mesh, mirrors), parts=parts)
+    connected = replace(connected, unmirrored_cut=unmirrored_cut(mesh, mirrors), parts=parts)
     if on_ground.is_made_for(described, connected, motion, soil):
         connected = replace(connected, ground=on_ground.ground_of(connected, motion, soil, gravity))
     return connected
 
 
-def _start(taken, settled, bodies, carried_grid):
+def _start(removed_soil, settled, bodies, carried_grid):
     """Rows {label: value} of the model sheet about bodies that are in place, soil that has settled, lines in it and a grid
     that goes along with bodies."""
-    rows = {"in place from the start": [str(one) for one in taken]} if taken else {}
+    rows = {"in place from the start": [str(one) for one in removed_soil]} if removed_soil else {}
     lines = [f"{body.name}: {body.line.soil}" for body in bodies if body.line and body.line.soil]
     rows |= {"pull lines in soil": lines} if lines else {}
     rows |= {"settled at the start": str(settled)} if settled else {}

@@ -4,7 +4,7 @@ Spacing of the places on the faces of domains    s = 2 l / k <= r/16, on held so
 
 with l the smallest half-width of a domain (bodies are where cells are fine) and r the radius of curvature that nine tenths
 of the body's surface exceed; on soil that yields a cell at least. There a bar of 0.27 cells in a Danforth anchor asked for
-6 144 places on a domain. With 384, the vertical force as it lands is within 4 % of that with 1 536, 7 % at the first touch,
+6 144 places on a domain. With 384, the vertical force as it lands is within 4 % of that with 1 536, 7 % at first contact,
 the horizontal one within 9 %, and its height within 0.5 mm. A disc that stands on its rim over held soil keeps upright on
 springs that are stiff beside its thickness (`hybrid.setup.foot`), and their places lie closer in proportion.
 """
@@ -23,13 +23,13 @@ from hybrid.runtime.comm import anywhere, minimum
 from hybrid.setup.bearing import bears, stands_on
 from hybrid.setup.foot import standing_overlap
 from hybrid.setup.interface import friction_of, interface_of
-from hybrid.setup.penalty import REST_CURVATURE, carried, penalty, rests
+from hybrid.setup.penalty import REST_CURVATURE, penalty, rests, rests_on_elastic_soil
 from hybrid.setup.plane_strain import in_slice
 
 FEWEST, MOST, MOST_THIN = 4, 32, 128    # places along a face; of one that a thin body stands on
 ROUND_OFF = 1e-9        # of their number: halves and wholes of a body have as many
 CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE where soil of given shape carries the body
-# Places across the narrower side of a body with plane faces over held soil: the lever by which its weight resists a load
+# Places across the narrower side of a body with plane faces over held soil: the lever arm by which its weight resists a load
 # ends at the outermost one. A box of 0.4 x 0.4 x 1 m tipped at 0.86 to 1.0 of W b/h with 13 across, by where it stood.
 ACROSS = 32
 
@@ -43,13 +43,13 @@ def connect_to_soil(described, body, rotation, soil, gravity, alone):
         described = replace(described, adhesion=None)
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
     interface, sharp = interface_of(described, mixed), body.surface
-    if not (soil.held or chosen.at_corners or carried(body, soil, gravity)):
+    if not (soil.held or chosen.at_corners or rests_on_elastic_soil(body, soil, gravity)):
         edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
         body = replace(body, surface=round_off(body.surface, edges),
                        narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
     stands = alone and stands_on(described.rest_on, soil, gravity)
-    body = replace(body, borne=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
+    body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
     body = replace(body, places=chosen, penalty=penalty(described, body, rotation, soil, spacing, radius, gravity))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))

@@ -4,7 +4,7 @@ a wall, from the start in equilibrium with it.
 The ends of the boxes that a cut leaves follow the body in steps. Contact points on faces that the cut has exposed therefore
 start at the surface of the body itself, overlapping it by what gives the pressure of the soil that was there,
 
-    y = foot - N δ      δ = max(0, -N·σ N) / (p_f E)
+    y = y_s - N δ      δ = max(0, -N·σ N) / (p_f E)
 
 Equations: FORMULATION (54).
 """
@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.body.closest import NO_SIDE, closest
 from hybrid.contact.search import distances
 from hybrid.grid.axes import cells_of
-from hybrid.runtime.comm import joined, largest
+from hybrid.runtime.comm import gathered, largest
 from hybrid.runtime.jit import njit
 from hybrid.setup.cut_boxes import Boxes, chunks, in_frame, near_surface
 from hybrid.state import ContactHistory
@@ -35,7 +35,7 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
     near = _within(2 * boxes.radii(collapsed), boxes, body, motion, collapsed)
     reach = AROUND * largest(before[boxes.parent[near]].radii(collapsed))
     old, new = (_Cells(_of_all(each, reach, body, motion, soil.grid), soil.grid) for each in (before, boxes))
-    face = places.normal[np.arange(len(places)) // places.offset.shape[1]]
+    face = places.normal[places.group_of(np.arange(len(places)))]
     found = [(np.zeros(0, int), np.zeros(0, int), *np.zeros((2, 0, 3)))]
     for ids in chunks(near, len(places)):
         point, number = np.repeat(ids, len(places)), np.tile(np.arange(len(places)), len(ids))
@@ -47,18 +47,19 @@ def first_contact_points(body, motion, soil, stress, before, boxes, flush=False)
         size = before[boxes.parent[point]].radii(collapsed)
         reached = np.abs(distance) < (FLUSH if flush else 2.0) * size
         in_space = normal @ motion.rotation.T
-        stay = np.flatnonzero((places.facing(number, in_space) > 0.0) & reached)
-        foot = np.empty((len(stay), 3))
-        _feet(np.ascontiguousarray(y[stay]), body.surface.tree, foot)
+        stay = np.flatnonzero((places.projected_share(number, in_space) > 0.0) & reached)
+        closest_point = np.empty((len(stay), 3))
+        _closest(np.ascontiguousarray(y[stay]), body.surface.tree, closest_point)
         point, number, in_space = point[stay], number[stay], in_space[stay]
         principal = stress[point]
         if soil.constants.geostatic_gradient is not None:
-            rise = motion.position[2] + foot @ motion.rotation[2] - boxes.position[point, 2]
+            rise = motion.position[2] + closest_point @ motion.rotation[2] - boxes.position[point, 2]
             principal = principal + soil.constants.geostatic_gradient[point] * rise[:, None]
         pressure = np.maximum(0.0, -np.einsum("ci,ci->c", in_space**2, principal))
         bears = slice(None) if not flush else pressure > NOTHING * np.abs(principal).max(axis=1)
         squeezed = pressure / body.contact_pressure[point]
-        found.append([each[bears] for each in (point, number, foot - squeezed[:, None] * normal[stay], normal[stay])])
+        start = closest_point - squeezed[:, None] * normal[stay]
+        found.append([each[bears] for each in (point, number, start, normal[stay])])
     point, number, y, side = (np.concatenate(column) for column in zip(*found))
     order = np.lexsort((number, point))
     y, side = y[order], side[order]
@@ -77,7 +78,7 @@ def _of_all(boxes, reach, body, motion, grid):
     if grid.nodes is None:
         return boxes
     ids = _within(np.full(len(boxes.parent), reach), boxes, body, motion, grid.collapsed)
-    return Boxes(*(joined(each[ids]) for each in (boxes.parent, boxes.position, boxes.half)))
+    return Boxes(*(gathered(each[ids]) for each in (boxes.parent, boxes.position, boxes.half)))
 
 
 class _Cells:
@@ -112,9 +113,9 @@ def _contained(place, cell, first, order, position, half, out):
 
 
 @njit(cache=True)
-def _feet(y, tree, foot):
+def _closest(y, tree, closest_point):
     """Fill the points (n, 3) of the surface closest to y (n, 3), body frame."""
     for n in range(len(y)):
         _, _, x, _, _ = closest((y[n, 0], y[n, 1], y[n, 2]), np.inf, tree, NO_SIDE)
         for i in range(3):
-            foot[n, i] = x[i]
+            closest_point[n, i] = x[i]

@@ -1,7 +1,7 @@
 """The foot of a body that stands: the plane faces on which it does, and the size that its contact is judged by.
 
-A body on a foot narrower than itself, such as a pole, tilts on its springs, and what it tilts by takes from the lever of its
-weight. They are as stiff as those of a cube on that foot, so that the lever is shorter by the same share.
+A body on a foot narrower than itself, such as a pole, tilts on its springs, and what it tilts by takes from the lever arm
+of its weight. They are as stiff as those of a cube on that foot, so that the arm is shorter by the same share.
 """
 
 import numpy as np

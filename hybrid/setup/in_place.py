@@ -14,7 +14,7 @@ import numpy as np
 from hybrid.body.rigid import bounding_box, with_stiffness
 from hybrid.contact.search import Domains, overlap
 from hybrid.laws.user import is_of_user
-from hybrid.runtime.comm import anywhere, joined, maximum, number, total
+from hybrid.runtime.comm import anywhere, gathered, maximum, number, total
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.contact import smallest_domain
 from hybrid.setup.plane_strain import section
@@ -30,8 +30,8 @@ SHALLOW = 1.0       # cells: a body less deep in the ground may be there by mist
 
 
 @dataclass(frozen=True)
-class Taken:
-    """Soil that a body takes: volume [m³] of the body in it, volume and mass [m³, kg] of soil removed, numbers of points
+class RemovedSoil:
+    """Soil removed for a body: volume [m³] of the body in it, volume and mass [m³, kg] removed, numbers of points
     removed and of points cut; shallow: depth [m] of its lowest point under the ground, of a body that stands out of it by
     the rest and is less than SHALLOW cells deep, else 0; cells: the same in cells."""
 
@@ -85,13 +85,13 @@ def _between_corners(body, motion, points, soil, limit):
 
 
 def put_in_place(soil, points, bodies, motions):
-    """(Soil, Points, [ContactHistory] of each body, [Taken]) once the soil that `bodies`, with those that start inside
+    """(Soil, Points, [ContactHistory] of each body, [RemovedSoil]) once the soil that `bodies`, with those that start inside
     alone, take is removed; bodies, motions: RigidBody and BodyState of all, None for a body that starts outside."""
-    before, boxes, taken = _boxes(points), _boxes(points), []
+    before, boxes, removed_soil = _boxes(points), _boxes(points), []
     for body, motion in zip(bodies, motions):
         if body is not None:
             left, inside, cut = cut_out(boxes, section(body, motion.rotation, soil.grid), motion, soil.grid.collapsed)
-            taken.append(_taken(body, motion, soil, boxes, left, inside, cut))
+            removed_soil.append(_removed_by(body, motion, soil, boxes, left, inside, cut))
             boxes = left
     if not number(boxes.parent):
         raise SceneError("the bodies take all of the soil; check body.position and the ends of the soil")
@@ -100,7 +100,7 @@ def put_in_place(soil, points, bodies, motions):
     histories = [ContactHistory.empty() if body is None else first_contact_points(
         with_stiffness(body, soil.law.young, soil.held), motion, soil, stress, before, boxes)
         for body, motion in zip(bodies, motions)]
-    return soil, points, histories, taken
+    return soil, points, histories, removed_soil
 
 
 def flush_contacts(soil, points, bodies, motions, contacts):
@@ -114,8 +114,8 @@ def flush_contacts(soil, points, bodies, motions, contacts):
         body, motion, soil, stress, boxes, boxes, flush=True) for body, motion, history in zip(bodies, motions, contacts)]
 
 
-def _taken(body, motion, soil, boxes, left, inside, cut):
-    """Taken of a body that leaves the Boxes `left` of `boxes`; inside, cut: as of `cut_out`."""
+def _removed_by(body, motion, soil, boxes, left, inside, cut):
+    """RemovedSoil of a body that leaves of the soil the Boxes `left` of `boxes`; inside, cut: as of `cut_out`."""
     density = soil.constants.mass / soil.constants.volume
     gone = boxes.volume @ density[boxes.parent] - left.volume @ density[left.parent]
     before, now = (np.bincount(each.parent, each.volume, len(density)) for each in (boxes, left))
@@ -126,9 +126,8 @@ def _taken(body, motion, soil, boxes, left, inside, cut):
     shallow = depth if depth < limit and high > ground else 0.0
     inside, gone, removed, cut = (total([each])
                                   for each in (inside, gone, len(np.setdiff1d(boxes.parent, left.parent)), cut))
-    return Taken(body.name, float(inside), float(total(boxes.volume) - total(left.volume)), gone, int(removed), int(cut),
-                 shallow,
-                 shallow / soil.grid.smallest_cell)
+    return RemovedSoil(body.name, float(inside), float(total(boxes.volume) - total(left.volume)), gone, int(removed),
+                       int(cut), shallow, shallow / soil.grid.smallest_cell)
 
 
 def _boxes(points):
@@ -141,7 +140,7 @@ def _renumbered(constants, boxes):
     if constants.number is None:
         return None
     pieces = np.bincount(boxes.parent, minlength=len(constants))
-    changed = joined(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
+    changed = gathered(np.column_stack([constants.number, pieces - 1])[pieces != 1])      # of all processes, near the bodies
     changed = changed[np.argsort(changed[:, 0])]
     moved = np.concatenate([[0], np.cumsum(changed[:, 1])])     # by the points removed and added before
     parent = constants.number[boxes.parent]

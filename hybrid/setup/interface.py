@@ -20,5 +20,5 @@ def interface_of(described, mixed=False):
     if not adheres and not tension:
         return None
     adhesion = described.adhesion if adheres else None
-    return Interface(adhesion, tension, rubs=bool(adhesion and described.friction),
+    return Interface(adhesion, tension, frictional=bool(adhesion and described.friction),
                      elsewhere=0.0 if described.friction is None else np.inf)

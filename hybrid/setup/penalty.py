@@ -58,21 +58,21 @@ def penalty(described, body, rotation, soil, spacing, radius, gravity):
 
 def _stiffness(described, body, soil, radius, gravity):
     """p_f h of a body on soil that deforms, which it shears where it is driven in two ways, or in one under a load."""
-    if body.borne:
+    if body.below_capacity:
         return STIFFNESS[False]
     if soil.law.plastic or np.isfinite(radius) or not body.driven.any():
         return STIFFNESS[soil.law.plastic]
     axes = np.count_nonzero(body.driven[:3]) + body.driven[3:].any() + any(control.loads for control in body.stages)
     if axes > 1 and friction_of(described) > 0.0 and soil.grid.collapsed.any():
         return SHEARED
-    return STIFFNESS[False] if carried(body, soil, gravity) else PRESSED
+    return STIFFNESS[False] if rests_on_elastic_soil(body, soil, gravity) else PRESSED
 
 
 def rests(body, soil, radius, gravity):
     """Whether nothing but elastic soil carries the weight of a body with this `radius` of curvature [m]."""
-    return np.isfinite(radius) and carried(body, soil, gravity)
+    return np.isfinite(radius) and rests_on_elastic_soil(body, soil, gravity)
 
 
-def carried(body, soil, gravity):
+def rests_on_elastic_soil(body, soil, gravity):
     """Whether nothing but elastic soil carries the weight of a body, so that its force on the soil is known."""
     return not soil.law.plastic and gravity.any() and (body.free & ~body.driven)[:3][gravity != 0.0].all()

@@ -52,8 +52,8 @@ def mirrors_of(scene, described, mesh):
         axis = getattr(scene.grid, name)
         low, high = points[:, a].min(), points[:, a].max()
         covers = low < axis.start + IN_PLANE * size and high > axis.end - IN_PLANE * size
-        for side, at in (("min", axis.start), ("max", axis.end)):
-            if axis.collapsed or scene.gravity[a] or getattr(scene.grid.faces, f"{name}_{side}") != "roller":
+        for side, at in enumerate((axis.start, axis.end)):
+            if axis.collapsed or scene.gravity[a] or scene.grid.faces.of(a, side) != "roller":
                 continue
             cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
             across = not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
@@ -117,7 +117,7 @@ def in_part(body, mirrors):
     return replace(body, mass=body.mass.times(0.5 ** sum(not mirror.cut for mirror in mirrors)))
 
 
-def stray_cap(mesh, mirrors):
+def unmirrored_cut(mesh, mirrors):
     """Whether the cut face of a body lies in no plane of symmetry of the model."""
     return len(mesh.symmetry) > 0 and not any(mirror.cut for mirror in mirrors)
 

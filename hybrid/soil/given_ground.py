@@ -82,7 +82,7 @@ class GivenGround:
         on, above = up & self.highest[point], start[:, 2] - self.heights(start)
         return np.where(on, -above, 0.0), on | ~self.follows[point] | (above <= 0.0)
 
-    def facing(self, point, up, offset, normal, usual):
+    def projected_share(self, point, up, offset, normal, usual):
         """Area of the ground projected along normals N (m, 3) of a body over that of the upper face that its places are on,
         >= 0; `usual` (m,) of other places."""
         on = up & self.highest[point]

@@ -15,12 +15,12 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 
-from hybrid.runtime.comm import anywhere, joined, offset, total
+from hybrid.runtime.comm import anywhere, gathered, offset, total
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.kinematics import determinant
 
-TOUCH = np.ones((3, 3, 3))   # cells are neighbours if they share a corner
+NEIGHBOURS = np.ones((3, 3, 3))  # cells that share a corner
 DISTORTION_LIMIT = 10.0  # [-] norm |F|, or volume ratio or its inverse: beyond it a point no longer represents soil
 
 
@@ -44,7 +44,7 @@ def detached_pieces(basis, grid, active=None):
     filled = np.zeros(shape, np.bool_)
     active = np.ones(len(basis.first), bool) if active is None else active
     _mark_filled(basis.first, basis.count, active, filled)
-    piece, count = ndimage.label(filled, TOUCH) if grid.nodes is None else _label_together(filled, grid)
+    piece, count = ndimage.label(filled, NEIGHBOURS) if grid.nodes is None else _label_together(filled, grid)
     if count <= 1:
         return np.zeros(len(basis.first), int), np.array([True])
     own = piece[tuple(np.minimum(basis.first, np.array(shape) - 1).T)] * active
@@ -61,13 +61,13 @@ def detached_pieces(basis, grid, active=None):
 
 def _label_together(filled, grid):
     """ndimage.label of the `filled` cells (a, b, c) of all processes: numbers of the local ones, and of all pieces."""
-    piece, count = ndimage.label(grid.summed_cells(filled.astype(np.int64)) > 0, TOUCH)
+    piece, count = ndimage.label(grid.summed_cells(filled.astype(np.int64)) > 0, NEIGHBOURS)
     before, number = None, np.where(piece > 0, piece + offset(count), 0)
     while before is None or anywhere(number != before):     # the smallest number spreads from process to process
         before = number.copy()
         smallest = ndimage.minimum(grid.cells_from_owners(number), piece, np.arange(count + 1))
         number = np.where(piece > 0, np.asarray(smallest, np.int64)[piece], 0)
-    numbers = np.unique(joined(np.append(0, np.unique(number))))
+    numbers = np.unique(gathered(np.append(0, np.unique(number))))
     return np.searchsorted(numbers, number), len(numbers) - 1
 
 
@@ -107,7 +107,7 @@ def distorted(deformation):
 def list_points(ids, positions=None, limit=5):
     """Text that names the first `limit` of the points `ids`, their numbers in the run, with their positions (n, 3) [m] if
     given; all processes name the points of all."""
-    ids, positions = joined(np.asarray(ids)), positions if positions is None else joined(positions)
+    ids, positions = gathered(np.asarray(ids)), positions if positions is None else gathered(positions)
     order = np.argsort(ids, kind="stable")
     ids, positions = ids[order], positions if positions is None else positions[order]
     at = [""] * len(ids)

@@ -27,7 +27,7 @@ increments.outer_step               until the end of the step is reached:
     loads.py, search_reach.py        gravity and given loads; how far from a body contact is searched for
 3 newton.py         Newton's method: what is tried in turn; iteration.py: updates in one way until they converge
     first_guess.py, rolling.py       where it starts; a round body then rolls
-    contacts.py, touches.py          contact as it is steered; what touches, with its resultants
+    contacts.py                      contact as it is steered; contact_resultants.py: its resultants on each body
     rejection.py                     what must not be accepted although it is solved
     restriction.py, sticking.py      few nodes solved for by themselves; contact points held in stick for an update
 4 joint_rates.py    rates that joints allow, and the impulses of stops

@@ -8,7 +8,7 @@ hangs on a rod would hardly move.
 FAINT = 1e-5    # share of the forces on other bodies of an assembly that a force is compared with at least
 
 
-def carried(joints, supported):
+def supported_by_joints(joints, supported):
     """[bool] of all bodies, whether `joints`, at points, rods or taut lines, hold them, over any number of others, to one
     that is `supported`, or to the ground; supported: [bool] of all bodies."""
     return _most(joints, supported, True)

@@ -11,6 +11,7 @@ from hybrid.body import guides, rigid
 from hybrid.body.rigid import BodyTrial, RigidBody
 from hybrid.contact.assembly import Tangent
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.contact_points import SoilSurface
 from hybrid.contact.on_ground import GroundPair, of_soil
 from hybrid.contact.search import Reach
 from hybrid.contact.soil_to_body import PointContact
@@ -25,7 +26,7 @@ from hybrid.step.search_reach import search_reach
 # all of the moments of inertia, a tolerance of 1e-6 makes the period of a plate wrong by 4e-5, where the scheme is wrong by
 # 1e-6. With the default tolerance, 1e-4, rates are solved to 1e-10.
 FLIGHT = 1e-6
-TOUCHING = "line", "contact", "joints", "bodies"     # terms that act on an arm of the body, known or not
+ON_ARM = "line", "contact", "joints", "bodies"     # terms that act on an arm of the body, known or not
 # Without inertia a body may have no stiffness, or that of a corner of another one: what is out of balance moves it by at
 # most PACE of its size in an iteration, less where others are beside it, and REST of the stiffness of its contact is added
 # against motions that nothing resists, as the rolling of a ball. Of 18 smooth balls and pipes on clay and elastic ground, at
@@ -186,9 +187,9 @@ class BodyTerms:
         body = self.step.body
         free = np.where(self.step.free, self.total, 0.0)
         force, moment = np.linalg.norm(free[:3]), np.linalg.norm(free[3:])
-        scale, touch = max(self.largest_force, least), self._largest(TOUCHING, slice(3))
-        if touch > 0:
-            arm = max(self._largest(self.terms, slice(3, 6)), touch * body.radius)
+        scale, on_arm = max(self.largest_force, least), self._largest(ON_ARM, slice(3))
+        if on_arm > 0:
+            arm = max(self._largest(self.terms, slice(3, 6)), on_arm * body.radius)
         else:
             arm = max(self._largest(["loads"], slice(3, 6)), FLIGHT * self.trial.own_moment)
         arm = max(arm, least * body.radius)
@@ -236,7 +237,7 @@ class BodyTerms:
 
 def _expected_pose(body, motion, history, gravity, scheme, dt, cell):
     """Pose of a body to which its contact points are predicted to move. One that touches nothing yet also falls,
-    without inertia by a `cell` [m]: else a body that starts in touch and slides would find friction in its first step
+    without inertia by a `cell` [m]: else a body that starts in contact and slides would find friction in its first step
     only if its places happen to rise against it."""
     position, rotation = rigid.predicted_pose(body, motion, scheme, dt)
     moving, weighs = motion.velocity.any() or motion.spin.any(), np.linalg.norm(gravity)
@@ -251,6 +252,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
     Domains of the soil's points; active: (N,) bool, nodes that carry mass."""
     gravity, grid, begun = model.loads.on_bodies(state.time + dt), model.soil.grid, []
     velocity, predicted = nodal
+    soil = SoilSurface(domains, grid, active)
     along = joint_terms.rates_of_guides(model, state, dt)
     for number, (body, unknowns) in enumerate(zip(model.bodies, model.body_slices)):
         body = guides.during(body, state.time, dt, model.scheme.rotation == "cayley")
@@ -273,7 +275,7 @@ def begin_bodies(model, state, dt, pulling, domains, active, nodal):
         if stretch := body.ground and body.ground.under(body, motion.pose, pose):
             pair = GroundPair(body, stretch, motion, history, reach, pose)
         else:
-            pair = ContactPair(body, motion, of_soil(history), domains, grid, active, reach, (predicted, pose), limits,
+            pair = ContactPair(soil, body, motion, of_soil(history), reach, (predicted, pose), limits,
                                begins=state.time == 0.0)
         begun.append(BodyStep(number, body, motion, target, pair, reach, unknowns, line_force, gravity, model.scheme,
                               dt, state.time))

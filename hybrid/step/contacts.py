@@ -41,7 +41,7 @@ def has_convex_contact(evaluation):
     return any(comm.anywhere(contact.turning) for contact in evaluation.contacts)
 
 
-def touches_on_ramp(step, evaluation):
+def on_adhesion_ramp(step, evaluation):
     """Whether shear of contact points is on the ramp of adhesion at an Evaluation without inertia."""
     return not step.model.scheme.inertia and any(comm.anywhere(contact.ramp) for contact in evaluation.contacts)
 

@@ -131,7 +131,7 @@ class Step:
         with phase("contact"):
             supported = [not terms.unsupported for terms in evaluation.bodies]
             holding = evaluation.joints.holding() if evaluation.joints else []
-            for terms, carried in zip(evaluation.bodies, assemblies.carried(holding, supported)):
+            for terms, carried in zip(evaluation.bodies, assemblies.supported_by_joints(holding, supported)):
                 terms.add_tangent(self.pattern, self.system, stiffness, kind, carried)
             if evaluation.pairs:
                 evaluation.pairs.add_tangent(self.system.ww)

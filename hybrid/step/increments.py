@@ -26,7 +26,7 @@ from hybrid.step.support import ROUND_OFF, Support
 EASY = 6            # Newton iterations up to which the next increment may be twice as long
 # Of an increment that resolves an impact: how much longer one may be, and below which share of it the step fails
 ABOVE, FAILED = 1.25, 1 / 64
-JOLT = 0.02         # share of a body's speed: half of an impulse after which increments do not grow at once
+IMPULSE = 0.02      # share of a body's speed: half of an impulse after which increments do not grow at once
 SHORT = 1 / 8       # share of an outer step up to which an increment is short (`hybrid.step.newton.BETWEEN`)
 
 
@@ -67,7 +67,7 @@ def outer_step(model, workspace, state, length, pulling, control):
     return state, report
 
 
-def jolted(step, evaluation):
+def in_impact(step, evaluation):
     """Whether forces other than weight change the speed of a body at the end of the increment of an Evaluation, and have
     begun to so late that generalised alpha does not show it yet.
 
@@ -84,7 +84,7 @@ def jolted(step, evaluation):
         now = np.concatenate([new.acceleration, new.spin_rate])
         change = min(_size(weights * (new.algorithmic - now)), _size(weights * (now - gravity)))
         speed = _size(weights * np.concatenate([new.velocity, new.spin])) + step.dt * np.linalg.norm(gravity)
-        if 0.5 * step.dt * change > JOLT * speed:
+        if 0.5 * step.dt * change > IMPULSE * speed:
             return True
     return False
 
@@ -151,7 +151,7 @@ class Control:
             if self.shortest(step.dt):
                 raise StepError(failure_message.not_converged(step, outcome, self._finest, self.smallest))
             return False, None
-        easy = outcome.iterations <= EASY and not jolted(step, outcome.evaluation)
+        easy = outcome.iterations <= EASY and not in_impact(step, outcome.evaluation)
         if not self.accuracy:
             self._accept(min(2 * self.dt, self._length, self._impact) if easy else self.dt)
             return True, None

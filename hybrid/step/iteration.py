@@ -177,7 +177,7 @@ class Safeguards:
         if updates.smooth and trial.error > max(SLOW * before.error, self.solver.tolerance):
             after = smoothed(self.step, self.solver, trial, updates)
         poor = after.error > SLOW * before.error        # near the solution slip turns round without harm
-        self.stick = sticking.turned_round(before, after, self.stick) if poor else None
+        self.stick = sticking.reversing(before, after, self.stick) if poor else None
         # points sent to another facet by the update and back by what smooths it jump as well
         self.jumps.append(jumped(before, trial) or after is not trial and jumped(before, after))
         self.reuse = _tangent_serves(self.step, before, after)

@@ -117,7 +117,7 @@ def begin_stage(model, bodies, joints):
             before = bodies
             bodies, joints = with_friction(bare, *consistent(bare, before, joints, active)[:2], active)
             # not p·G v of the rows: what they do to driven components is borne by the guides
-            lost = -sum(float(rigid.jolt(*one).sum()) for one in zip(model.bodies, before, bodies))
+            lost = -sum(float(rigid.impulse_work(*one).sum()) for one in zip(model.bodies, before, bodies))
     if model.guides:
         joints = JointState(np.zeros(0), np.zeros(0, bool)) if joints is None or not model.joints else joints
         more = np.zeros(_count(model.guides))

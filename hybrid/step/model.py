@@ -43,6 +43,11 @@ class Model:
         return self.joints + self.guides
 
     @property
+    def mirrors(self):
+        """Planes of symmetry that bodies lie in, each once."""
+        return tuple({(mirror.axis, mirror.at): mirror for body in self.bodies for mirror in body.mirrors}.values())
+
+    @property
     def body_slices(self):
         """Slice of each body's free components among the unknowns of the bodies."""
         ends = np.cumsum([0, *(np.count_nonzero(body.free) for body in self.bodies)]).tolist()
@@ -100,7 +105,7 @@ class Model:
             motion, impulse_work = stage_start.engage_guides(body, motion, gravity, self.scheme, i in joined)
             if impulse_work:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
-                for name, done in by_component(body, rigid.jolt(body, free, motion)):
+                for name, done in by_component(body, rigid.impulse_work(body, free, motion)):
                     work[name] = work.get(name, 0.0) + done
             bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme, more))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)

@@ -129,7 +129,7 @@ def _newton(step, solver, evaluation, backtrack=False):
     """Outcome of `_updates` without the ramp of adhesion in the tangent; where these have no solution and contact points are
     on it, with it, from the start again."""
     outcome = _updates(step, solver, evaluation, backtrack)
-    if outcome.converged or not contacts.touches_on_ramp(step, outcome.evaluation):
+    if outcome.converged or not contacts.on_adhesion_ramp(step, outcome.evaluation):
         return outcome
     again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, Tangent.UNSOFTENED)
     return outcome.followed_by(again)

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid.body.rigid import turn_between
+from hybrid.body.rigid import reduced_mass, turn_between
 from hybrid.contact import body_to_body
 from hybrid.contact.body_to_body import PairContact, Side, SideStep
 from hybrid.contact.soil_to_body import Coulomb
@@ -25,8 +25,8 @@ from hybrid.state import PairHistory
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact
 # Share of the size of the smaller body: reach beyond twice the predicted path, with and without inertia
 MARGIN = {True: 0.02, False: 0.1}
-STRIDE = 0.5    # of the same: longest predicted path of bodies that may meet in an increment
-TOUCH = 2.0     # times the speed that overlaps bodies by as much as the load does: of a touch that is no impact
+LONGEST_PATH = 0.5  # of the same: longest predicted path of bodies that may meet in an increment
+SLOW = 2.0      # times the speed that overlaps bodies by as much as the load does: of a contact that is no impact
 RESOLVED = 1 / 20   # of the time that an impact lasts, in an increment
 PASSED = 0.01   # of the same: depth of places on their way that counts as having passed through
 
@@ -58,19 +58,19 @@ class BodyPair:
         return float(np.linalg.norm(np.where(self.collapsed, 0.0, apart))) - sum(self.radii)
 
     def contact_times(self, mass):
-        """(time [s] of a touch at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
-        of bodies with an effective `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
+        """(time [s] of a contact at most as deep as `overlap`, way [m] that over the speed of a harder impact is its time)
+        of bodies with a reduced `mass` [kg]: π times depth over speed of a linear spring, 2.8 of one whose area grows
         with the overlap."""
         return float(np.pi * np.sqrt(mass * self.overlap / self.load)), 3.0 * IMPACT * self.size
 
     def impact_of(self, speed, change, factor, mass, springs):
-        """Increment [s] that resolves an impact in which bodies with an effective `mass` [kg] approach or part at a `speed`
+        """Increment [s] that resolves an impact in which bodies with a reduced `mass` [kg] approach or part at a `speed`
         [m/s] that changes by `change` [m/s²], with a `factor` on the stiffness and `springs` [N/m] that press: inf for a
-        light touch."""
+        light contact."""
         slow, way = self.contact_times(mass)
         lasts = min(slow / np.sqrt(factor), np.pi * np.sqrt(mass / springs) if springs else np.inf)
         speed = np.hypot(speed, change * lasts / np.pi)
-        return RESOLVED * min(lasts, way / speed) if speed > TOUCH * np.pi * self.overlap / slow else np.inf
+        return RESOLVED * min(lasts, way / speed) if speed > SLOW * np.pi * self.overlap / slow else np.inf
 
     def path(self, poses, others):
         """Upper bound [m] of the way of any place relative to the other body from `poses` to `others`."""
@@ -224,10 +224,10 @@ def begin_pairs(model, state, bodies, dt):
     for index, (pair, history) in enumerate(zip(model.pairs, histories)):
         path = pair.path(poses, predicted)
         reach = 2.0 * path + fall + MARGIN[model.scheme.inertia] * pair.size
-        if path > STRIDE * pair.size and pair.distance(poses) <= path:
+        if path > LONGEST_PATH * pair.size and pair.distance(poses) <= path:
             names = " and ".join(bodies[b].body.name for b in pair.numbers)
-            too_long = (f"bodies {names} approach one another by {path:.3g} m, limit {STRIDE * pair.size:.3g} m where they "
-                     "may meet")
+            too_long = (f"bodies {names} approach one another by {path:.3g} m, limit {LONGEST_PATH * pair.size:.3g} m where "
+                        "they may meet")
         elif pair.distance(poses) <= reach:
             near.append(_begin_pair(index, pair, history, bodies, poses, predicted, reach, dt))
     return PairsStep(poses, model.pairs, tuple(near), model.component_places, too_long)
@@ -252,10 +252,9 @@ def _begin_pair(index, pair, history, bodies, poses, predicted, reach, dt):
         if bodies[0].scheme.inertia and pair.impact * speed**2 > pair.stiffness:
             factor = pair.impact * speed**2 / pair.stiffness
             begun = tuple(replace(one, stiffness=factor * one.stiffness) for one in begun)
-    moving = [body.mass.mass for body in (bodies[b].body for b in pair.numbers) if body.free[:3].any()]
-    if not (moving and bodies[0].scheme.inertia):
+    mass = reduced_mass([bodies[b].body for b in pair.numbers])
+    if np.isinf(mass) or not bodies[0].scheme.inertia:
         return PairStep(index, pair, begun, factor, reach)
-    mass = 1.0 / sum(1.0 / mass for mass in moving)
     longest = pair.impact_of(speed, change, factor, mass, springs)
     if springs and longest < dt:    # looked at more closely
         normals = [body_to_body.pressed_normals(one, poses) for one in begun]

@@ -155,7 +155,7 @@ def numbered(population, new, behind):
     constants = population.constants
     number, place = constants.number.copy(), constants.position[new]
     others = [number[~new].astype(float)] + ([] if behind is None else [behind.constants.number])
-    order = np.lexsort(comm.joined(place).T)
+    order = np.lexsort(comm.gathered(place).T)
     mine = np.argsort(order)[comm.offset(len(place)):][:len(place)]
     number[new] = 1 + int(comm.maximum(np.concatenate(others), -1)) + mine
     return replace(population, constants=replace(constants, number=number))

@@ -7,14 +7,14 @@ up to twice of what friction takes in the increment, for good: such increments a
 
 from hybrid.runtime import comm
 from hybrid.soil.transfer import interpolate
+from hybrid.step.contact_resultants import gain, power, resultants_at_end, resultants_at_start
 from hybrid.step.search_reach import travel_ratio
-from hybrid.step.touches import gain, power, touches, touches_at_start
 
 LARGEST_ROTATION = 2.0  # [rad] of a body in a step; beyond π it equals a smaller rotation in the opposite direction
 # Of the velocity that all of friction changes in an increment: with more along friction, at the start or end, it reverses,
 # as it has at one of them at least half of that
 REVERSED = 0.3
-RUBS, SLIDES = 0.1, 0.95    # of what friction can bear: less hardly counts; what has less at both ends swings in stick
+FRICTION, SLIDES = 0.1, 0.95  # of what friction can bear: less hardly counts; what has less at both ends swings in stick
 DEEP = 0.05     # of a cell: depth of a contact point in a body from which on it may have passed through it
 
 
@@ -59,14 +59,14 @@ def friction_reverses(step, evaluation):
     if not step.pairs and not any(comm.anywhere(terms.contact.pressure) for terms in evaluation.bodies):
         return ""
     ends, before = None, None
-    for index, touch in enumerate(touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)):
-        if touch.share > RUBS and (step.soil is None or None not in touch.bodies):
+    for index, contact in enumerate(resultants_at_end(step, evaluation)):
+        if contact.share > FRICTION and (step.soil is None or None not in contact.bodies):
             ends = ends or (step.state.bodies, [terms.accept() for terms in evaluation.bodies])
-            pushed = max(power(touch, touch.friction, states) for states in ends)
-            if touch.share * pushed > REVERSED * step.dt * gain(touch, touch.friction, step):
-                before = before or touches_at_start(step)
-                if max(touch.share, before[index].share) > SLIDES:
-                    names = " and ".join(step.bodies[number].body.name for number, _ in touch.sides)
+            pushed = max(power(contact, contact.friction, states) for states in ends)
+            if contact.share * pushed > REVERSED * step.dt * gain(contact, contact.friction, step):
+                before = before or resultants_at_start(step)
+                if max(contact.share, before[index].share) > SLIDES:
+                    names = " and ".join(step.bodies[number].body.name for number, _ in contact.sides)
                     return f"friction of {names} reverses in {step.dt:.3g} s"
     return ""
 

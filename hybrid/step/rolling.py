@@ -28,9 +28,9 @@ def rolling_rate(body, state, history):
     points = count(history.touching)
     if not points:
         return rate
-    lever = -skew(total(arm) / points)[:, free]
+    by_rotation = -skew(total(arm) / points)[:, free]
     turn = np.zeros(3)
-    turn[free] = np.linalg.lstsq(lever, -drawn, rcond=1e-9)[0]
+    turn[free] = np.linalg.lstsq(by_rotation, -drawn, rcond=1e-9)[0]
     left = np.sqrt(total(((drawn + np.cross(turn, arm)) ** 2).sum(axis=1)) / points)
     rate[3:] = turn if left < SLIDES * np.linalg.norm(drawn) else 0.0
     return rate

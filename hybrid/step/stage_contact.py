@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body import stage_start
-from hybrid.step.touches import gain, power, touches, touches_at_start
+from hybrid.step.contact_resultants import gain, power, resultants_at_end, resultants_at_start
 
 HIT = 0.05      # of what a force changes of the velocity along itself in an increment: with more against it, that is ended
 
@@ -25,9 +25,9 @@ def count_from_start(step, evaluation, state, pushed):
     if not pushed:
         return state
     bodies, changes = list(state.bodies), np.zeros((len(state.bodies), 6))
-    after = touches(step, [terms.contact for terms in evaluation.bodies], evaluation.pairs)
+    after = resultants_at_end(step, evaluation)
     reached = _reached([one for one in after if None not in one.bodies], pushed)
-    for old, new in zip(touches_at_start(step), after):
+    for old, new in zip(resultants_at_start(step), after):
         if reached.intersection(new.bodies):
             change = np.zeros((2, 6))
             if _ended(step, new, new.normal) <= HIT:
@@ -42,11 +42,11 @@ def count_from_start(step, evaluation, state, pushed):
     return replace(state, bodies=bodies)
 
 
-def _ended(step, touch, forces):
+def _ended(step, contact, forces):
     """Velocity against `forces` (2, 6) [N, N m] at the start of the increment, over what they change of it, 0 without
     forces: above 1 it goes on, as that of a body that slides."""
-    gained = step.dt * gain(touch, forces, step)
-    return -power(touch, forces, step.state.bodies) / gained if gained > 0.0 else 0.0
+    gained = step.dt * gain(contact, forces, step)
+    return -power(contact, forces, step.state.bodies) / gained if gained > 0.0 else 0.0
 
 
 def _reached(touching, numbers):

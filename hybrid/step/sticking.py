@@ -21,7 +21,7 @@ class Held(NamedTuple):
     sides: tuple = ()
 
 
-def turned_round(before, after, held):
+def reversing(before, after, held):
     """Held contact points whose slip an update between two Evaluations turns round, None where there are none; held: those
     that were held in stick in it, None for none."""
     found = []

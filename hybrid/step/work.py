@@ -55,9 +55,9 @@ def _on_body(terms, before, after):
     """(name, work [J]) that is done on a body between two BodyStates, the committed one and the new one."""
     own = terms.step
     if own.body.drive.any() or own.body.guides:
-        mean, moved, jolt = _of_drive(terms, before)
-        yield "drive", float(mean @ moved) + float(jolt.sum())
-        yield from by_component(own.body, mean * moved + jolt)
+        mean, moved, by_impulse = _of_drive(terms, before)
+        yield "drive", float(mean @ moved) + float(by_impulse.sum())
+        yield from by_component(own.body, mean * moved + by_impulse)
     yield "friction", terms.contact.dissipated
     if own.body.line:
         yield "pull", _of_pull(terms, after)
@@ -92,8 +92,10 @@ def _of_drive(terms, committed):
     own = terms.step
     before, now = own.state.reaction, terms.reaction
     mean = now if before is None else 0.5 * (before + now)
-    jolt = rigid.jolt(own.body, committed, own.state) if own.body.guides and own.scheme.inertia else np.zeros(6)
-    return mean, own.dt * np.where(own.free, 0.0, own.body.drive), jolt
+    by_impulse = np.zeros(6)
+    if own.body.guides and own.scheme.inertia:
+        by_impulse = rigid.impulse_work(own.body, committed, own.state)
+    return mean, own.dt * np.where(own.free, 0.0, own.body.drive), by_impulse
 
 
 def _of_pull(terms, new):

@@ -17,7 +17,7 @@ def bounce(per_contact, contact="faces", start=0.0, **time):
     """Relative errors of rebound speed and contact time of a box of 1 m/s that falls flat on a plane.
 
     per_contact: steps in the time of contact π sqrt(m/k), k = p_f E A, A = 1 m² of the plane; start: of a step until
-    the first touch.
+    the first contact.
     """
     side = 1.2
     mass, stiffness = 500.0 * side**2, 1e6

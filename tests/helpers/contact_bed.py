@@ -8,7 +8,7 @@ from hybrid.body.attitude import exp_so3
 from hybrid.body.surface import build_surface
 from hybrid.contact import places as rules
 from hybrid.contact import soil_to_body
-from hybrid.contact.contact_points import ContactPoints, find_contact_points
+from hybrid.contact.contact_points import ContactPoints, SoilSurface, find_contact_points
 from hybrid.contact.search import Domains, Reach
 from hybrid.grid.axes import FACES, make_grid, uniform_nodes
 from hybrid.state import ContactHistory
@@ -96,9 +96,9 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     active = np.ones(grid.node_count, bool) if active is None else active
     begins, history = history is None, history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)
-    return grid, find_contact_points(
-        domains_of(position, half, included), np.full(len(position), PRESSURE), places, grid, active, body, surface,
-        Reach(reach, 0.0), history, expected, begins=begins)
+    rigid = SimpleNamespace(contact_pressure=np.full(len(position), PRESSURE), places=places, surface=surface)
+    return grid, find_contact_points(SoilSurface(domains_of(position, half, included), grid, active), rigid, body, history,
+                                     Reach(reach, 0.0), expected, begins=begins)
 
 
 def domains_of(position, half, included=True):

@@ -338,7 +338,7 @@ def test_joined_bodies_do_not_touch_one_another():
 def test_the_sheet_lists_pairs():
     sheet = build(stack(1)).sheet()["modelled"]["bodies in contact"]
     assert len(sheet) == 6 and sheet[0].startswith("slab and box0: friction 0.5, an overlap of up to")
-    assert "a slow touch takes" in sheet[0] and "increments in it" in sheet[0]
+    assert "a slow contact takes" in sheet[0] and "increments in it" in sheet[0]
 
 
 @pytest.mark.parametrize("share", [*(pytest.param(share, marks=pytest.mark.slow) for share in (0.05, 2.0)), 40.0])

@@ -49,7 +49,7 @@ def test_a_mast_on_a_footing_costs_no_iterations(gravity, kind):
 def test_the_stiffness_of_unsupported_bodies_would_hold_it_back(monkeypatch):
     """The broken variant: the mast counts as a body that has left the soil."""
     few, settlement = loaded(9.81, force=2e3)
-    monkeypatch.setattr(assemblies, "carried", lambda joints, supported: [False] * len(supported))
+    monkeypatch.setattr(assemblies, "supported_by_joints", lambda joints, supported: [False] * len(supported))
     many, same = loaded(9.81, force=2e3)
     assert sum(many) > 2 * sum(few)
     assert settlement == pytest.approx(same, rel=0.01)
@@ -74,7 +74,7 @@ def test_a_block_on_a_rod_hangs_in_the_direction_of_its_load(kind, monkeypatch):
     for step, position in enumerate(hanging(kind), 1):
         angle = np.arctan(100.0 * step / (9.81 * 250.0))
         np.testing.assert_allclose(position, [1.25 * np.sin(angle), 0.5, 4.25 - 1.25 * np.cos(angle)], atol=1e-4)
-    monkeypatch.setattr(assemblies, "carried", lambda joints, supported: [False] * len(supported))
+    monkeypatch.setattr(assemblies, "supported_by_joints", lambda joints, supported: [False] * len(supported))
     with pytest.raises(StepError, match="box"):
         hanging(kind)
 
@@ -94,7 +94,7 @@ def test_support_and_forces_are_those_of_all_that_joints_connect(links, carried)
     """Over any number of others, and from the ground."""
     ends = [(i, [[0.0] * 3] * 2) for i in links]
     joints = [Constraint("joint", bodies, points, at_point=True) for bodies, points in ends]
-    assert assemblies.carried(joints, [True, False, False]) == carried
+    assert assemblies.supported_by_joints(joints, [True, False, False]) == carried
     forces = assemblies.least_forces(joints, [4.0, 0.0, 0.0])
     on_one = {0}.union(*(set(pair) for pair in links if None not in pair)) if links else {0}
     assert forces == [4.0 * assemblies.FAINT * (i in on_one) for i in range(3)]

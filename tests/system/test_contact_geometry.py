@@ -103,7 +103,7 @@ def test_a_blade_pushes_down_what_is_under_its_edge(geometry):
 
 def test_a_blade_presses_soft_ground_until_its_walls_are_nearer(geometry):
     """Driven into elastic soil, p_f E = 50 E/m, 10 mm a step: the lift grows while the overlap g and a step stay below
-    half the thickness; measured g = 9 mm after 60 mm. From there on the walls part the row of soil. The first touch
+    half the thickness; measured g = 9 mm after 60 mm. From there on the walls part the row of soil. The first contact
     lets the soil swing."""
     g = lift(steel(0.04, 0.3, 0.3, position=(0.4, 0.4, 0.0), contact="corners"), 5, held=False) / 0.03
     assert (np.diff(g[1:]) > 0).all() and g[-1] > 2 * g[0] and 0.005 < g[-1] < 0.02

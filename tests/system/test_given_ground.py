@@ -67,8 +67,8 @@ def test_walls_keep_their_columns_and_gentle_ground_is_followed_on_its_upper_fac
     down = np.tile([0.0, 0.0, -1.0], (5, 1))
     across = np.tile([np.sqrt(0.5), 0.0, -np.sqrt(0.5)], (5, 1))
     usual = np.full(5, 0.3)
-    assert ground.facing(point, up, offset, down, usual) == pytest.approx([1.0, 0.3, 0.3, 0.3, 0.3])
-    assert ground.facing(point, up, offset, across, usual)[0] == pytest.approx(np.sqrt(2.0))    # area of the slope
+    assert ground.projected_share(point, up, offset, down, usual) == pytest.approx([1.0, 0.3, 0.3, 0.3, 0.3])
+    assert ground.projected_share(point, up, offset, across, usual)[0] == pytest.approx(np.sqrt(2.0))    # area of the slope
 
 
 def test_a_body_beside_a_wall_is_pushed_by_it():

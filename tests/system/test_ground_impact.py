@@ -69,7 +69,7 @@ def test_no_body_leaves_the_ground_faster_than_it_came(start, monkeypatch):
     """In steps longer than the contact, of which that of the impact is halved: half of the impulse counts with the length
     of the increment after it, and all of it is given over some increments."""
     assert 0.5 < leaves(start) <= 1.0
-    monkeypatch.setattr(increments, "jolted", lambda step, evaluation: False)
+    monkeypatch.setattr(increments, "in_impact", lambda step, evaluation: False)
     assert leaves(start) > 1.05
     monkeypatch.setattr(Scheme, "following", lambda scheme, second, algorithmic, ratio: algorithmic)
     assert leaves(start) > 1.5

@@ -137,7 +137,7 @@ def test_around_a_shaft_with_a_tip_no_more_soil_is_cut_than_it_takes():
     normal = place * [1.0, 1.0, 0.0] / np.hypot(*place[:, :2].T)[:, None]
     points = simulation.state.points
     area = (body.places.area(history.place, points.half_width[history.point], model.soil.constants.volume[history.point])
-            * body.places.facing(history.place, normal))
+            * body.places.projected_share(history.place, normal))
     assert area[along].sum() == pytest.approx(np.pi / 2 * radius, rel=0.05)
 
 

@@ -25,7 +25,7 @@ LENGTH = 0.01
 
 
 def scene(geometry, **soil):
-    """A sphere that hits sand hard; the first touch is in the first step. By the published method, whose contact is
+    """A sphere that hits sand hard; the first contact is in the first step. By the published method, whose contact is
     soft enough for one increment and yet needs more iterations than some tests allow."""
     side = Axis(start=-0.4, end=0.4, size=0.2)
     return Scene(

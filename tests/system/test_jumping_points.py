@@ -79,7 +79,7 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
     step = SimpleNamespace(model=model, system=system, assemble=lambda *tangent: None, carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
-    monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
+    monkeypatch.setattr(sticking, "reversing", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
     monkeypatch.setattr(iteration, "line_search", lambda *search: (at("the other one"), 1.0))

@@ -77,7 +77,7 @@ def test_shorter_updates_start_from_the_best_iterate():
     for softened in (False, True):
         begun.clear()
         step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
-        touching = SimpleNamespace(has_convex_contact=lambda evaluation: softened, touches_on_ramp=lambda *given: False)
+        touching = SimpleNamespace(has_convex_contact=lambda evaluation: softened, on_adhesion_ramp=lambda *given: False)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "contacts", touching)
             patch.setattr(newton, "iterate", iterate)
@@ -110,7 +110,7 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
         begun.clear()
         step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
         monkeypatch.setattr(newton, "contacts", SimpleNamespace(
-            has_convex_contact=lambda evaluation: False, touches_on_ramp=lambda *given: on_ramp))
+            has_convex_contact=lambda evaluation: False, on_adhesion_ramp=lambda *given: on_ramp))
         outcome = newton._newton(step, Solver(), SimpleNamespace(unknowns="first"))
         assert outcome.converged == on_ramp and outcome.iterations == 3 * len(begun)
         assert [ramp for _, ramp in begun] == [False, False] + [True] * on_ramp and begun[1][0] == "best"
@@ -155,7 +155,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
         assemble=lambda evaluation, kind, elastic: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
-    monkeypatch.setattr(sticking, "turned_round", lambda *evaluations: None)
+    monkeypatch.setattr(sticking, "reversing", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda *contacts: False)
     for start, updates, count in ((0.01, iteration.Updates(4, smooth=False), 1),
@@ -285,7 +285,7 @@ def test_a_footing_comes_down_over_a_gap():
 
 
 def test_a_light_touch_is_as_accurate_as_a_firm_one():
-    """1e-7 m and 1e-5 m give forces in this proportion; and after a firm touch, to whose forces errors are relative
+    """1e-7 m and 1e-5 m give forces in this proportion; and after a firm contact, to whose forces errors are relative
     while it is lifted off, a light one depends no more on the tolerance."""
     light, firm = (footing(0.0, [-depth])[0].bodies[0].contact_force[2] for depth in (1e-7, 1e-5))
     assert light == pytest.approx(1e-2 * firm, rel=2e-3)

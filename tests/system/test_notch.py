@@ -55,9 +55,9 @@ def test_signed_distance_around_the_concave_edge(geometry, angle):
     for _ in range(400):
         x, y, down = rng.uniform(-1, 1), rng.uniform(-0.3, 0.3), rng.uniform(0.01, 0.3) * depth
         place = np.array([x * 0.98 * down * np.tan(half), y, edge - down])   # in the void
-        triangle, feature, foot, weights, gap = closest(place, np.inf, tree)
+        triangle, feature, closest_point, weights, gap = closest(place, np.inf, tree)
         assert gap == pytest.approx(down * np.sin(half) - abs(place[0]) * np.cos(half), abs=1e-12)
-        normal, _, _ = gap_geometry(place, foot, weights, gap, triangle, feature, tree)
+        normal, _, _ = gap_geometry(place, closest_point, weights, gap, triangle, feature, tree)
         np.testing.assert_allclose(normal, [-np.sign(x) * np.cos(half), 0.0, -np.sin(half)], atol=1e-9)
         turn = x * (np.pi / 2 - half) * 0.98
         up = 0.1 * down * np.array([np.sin(turn), 0.0, np.cos(turn)])
@@ -103,7 +103,7 @@ def test_a_touch_of_round_off_is_no_residual(geometry, monkeypatch):
     records = list(pressing(geometry, 0.4, 20).steps())
     assert 0 < records[-1].bodies[0].overlap < 1e-14 and records[-1].rejections == 0
     monkeypatch.setattr(soil_terms, "ROUNDING", 0.0)
-    try:    # rejected until the increment ends short of the touch, or is too short
+    try:    # rejected until the increment ends short of the contact, or is too short
         assert list(pressing(geometry, 0.4, 20).steps())[-1].rejections > 0
     except StepError as failure:
         assert "step 20 failed" in str(failure)

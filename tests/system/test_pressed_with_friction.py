@@ -110,7 +110,7 @@ def test_stiffer_springs_of_a_pad_hardly_find_equilibrium(tmp_path, monkeypatch)
 def test_stiffer_springs_need_points_held_in_stick(tmp_path, monkeypatch):
     """Four times along the normal, and ten times as stiff along the surface beside these."""
     keys = "penalty = 20e3\ntangential = 3.0"
-    for which in ("turned_round", "drifting"):
+    for which in ("reversing", "drifting"):
         monkeypatch.setattr(sticking, which, lambda *given: None)
     with pytest.raises(StepError, match="step 1 failed"):
         next(block(tmp_path, keys).steps())

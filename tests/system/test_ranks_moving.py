@@ -114,7 +114,7 @@ from hybrid.step import processes
 settled = processes._settled
 def watched(model, state):
     model, state = settled(model, state)
-    shares = comm.joined([len(state.points)])
+    shares = comm.gathered([len(state.points)])
     assert max(shares) < 0.8 * sum(shares), f"uneven: {shares}"
     return model, state
 processes._settled = watched
@@ -145,7 +145,7 @@ settled = processes._settled
 found = sys.argv.pop()
 def watched(model, state):
     model, state = settled(model, state)
-    work, points = (comm.joined([x]) for x in (len(state.points) + 0.5 * len(state.contacts[0].point), len(state.points)))
+    work, points = (comm.gathered([x]) for x in (len(state.points) + 0.5 * len(state.contacts[0].point), len(state.points)))
     if comm.number(state.contacts[0].point) > 50:
         with open(found, "a") as file:
             file.write(f"{max(work) / sum(work)} {max(points) / sum(points)}\\n")

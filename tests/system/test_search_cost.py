@@ -10,7 +10,7 @@ import pytest
 from numba import njit
 
 from hybrid.body.facet_tree import search
-from hybrid.contact import contact_pair
+from hybrid.contact import contact_pair, contact_points
 from hybrid.contact import search as contact_search
 from hybrid.scene import Body
 from hybrid.setup.build import build
@@ -51,10 +51,10 @@ def counted(monkeypatch):
         state, grid, points = simulation.state.bodies[0], simulation.model.soil.grid, simulation.state.points
         rest, pose = np.zeros((grid.node_count, 3)), (state.position - (0.0, 0.0, 0.03), state.rotation)
         counts.update(dict.fromkeys(COUNTED, 0))
-        pair = contact_pair.ContactPair(
-            simulation.model.bodies[0], state, simulation.state.contacts[0],
-            contact_search.Domains.of(points, simulation.model.soil.constants, "gimp"), grid,
-            np.ones(grid.node_count, bool), contact_search.Reach(REACH, 0.0), (rest, pose), begins=True)
+        soil = contact_points.SoilSurface(contact_search.Domains.of(points, simulation.model.soil.constants, "gimp"), grid,
+                                          np.ones(grid.node_count, bool))
+        pair = contact_pair.ContactPair(soil, simulation.model.bodies[0], state, simulation.state.contacts[0],
+                                        contact_search.Reach(REACH, 0.0), (rest, pose), begins=True)
         return pair, pair.evaluate(rest, pose), dict(counts)
 
     return contact_of

@@ -67,7 +67,7 @@ def test_friction(tmp_path, monkeypatch):
     along, across = shear(path)
     assert along / across == pytest.approx(0.45, rel=0.06)
     monkeypatch.setattr(newton, "SHARED", np.inf)
-    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), rubs=False))
+    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), frictional=False))
     along, across = shear(path)
     assert along / across < 0.35
 

@@ -37,12 +37,12 @@ def corners_of(feature, pulled, shear, tension):
     m = len(corners)
     if pulled:      # from where they are inside, along the normal
         y = corners.start
-        foot, normal = np.empty((m, 3)), np.empty((m, 3))
+        closest_point, normal = np.empty((m, 3)), np.empty((m, 3))
         for n in range(m):
-            triangle, kind, foot[n], weights, gap = closest(y[n], np.inf, SURFACE[feature].tree)
+            triangle, kind, closest_point[n], weights, gap = closest(y[n], np.inf, SURFACE[feature].tree)
             assert kind in KIND[feature]
-            normal[n] = (foot[n] - y[n]) / -gap
-        out = foot + OUT * normal
+            normal[n] = (closest_point[n] - y[n]) / -gap
+        out = closest_point + OUT * normal
         corners = replace(corners, start=out, position=CENTRE + out @ ROTATION.T, side=normal,
                           anchor=corners.anchor + out - y)
     limits = PlaceLimits(np.zeros(0) if shear is None else np.full(m, shear),

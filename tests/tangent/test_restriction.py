@@ -80,7 +80,7 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
 @pytest.mark.slow
 def test_sand_before_an_anchor_takes_fewer_iterations(monkeypatch):
     """And comes to the same place. Of the two remedies, this one alone: points held in stick do as much here."""
-    monkeypatch.setattr(sticking, "turned_round", lambda *given: None)
+    monkeypatch.setattr(sticking, "reversing", lambda *given: None)
 
     def most():
         simulation = build(anchor.scene(h=0.3, drag=0.5))

@@ -8,6 +8,12 @@ import pytest
 
 from hybrid.monitors import StepView
 from hybrid.monitors.impacts import QUIET, BodyImpact, GroundImpact, LastImpact, _free_energy
+from hybrid.state import BodyState
+
+
+def moving(*velocity):
+    """BodyState of a body at the origin with a velocity [m/s], which does not turn."""
+    return BodyState(np.zeros(3), np.eye(3), np.array(velocity), *np.zeros((3, 3)))
 
 
 def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, monitor=None, held=False, free=False,
@@ -17,8 +23,7 @@ def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, mo
     the soil; free: whether both are; begun: whether the monitor knows of the motion before the first step."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[free] * 5]),
                            radius=0.5)
-    motions = [SimpleNamespace(velocity=np.array([speed + along, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
-               for speed in (10.0, 0.0)]
+    motions = [moving(speed + along, 0.0, 0.0) for speed in (10.0, 0.0)]
     model = SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
                             gravity=np.array([0.0, 0.0, -gravity]))
     known = (model, SimpleNamespace(bodies=motions)) if begun else (None, None)
@@ -136,7 +141,7 @@ def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_conta
               **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.ones(6, bool), radius=radius)
-    motion = SimpleNamespace(velocity=np.array([10.0, 0.0, 0.0]), spin=np.zeros(3), rotation=np.eye(3))
+    motion = moving(10.0, 0.0, 0.0)
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
         pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in near))
@@ -189,6 +194,5 @@ def test_other_losses_are_no_impact_of_bodies(other):
 def test_what_drives_a_body_gives_it_back_what_it_loses():
     """The energy of a body that moves along a component that is not free is none that an impact could cost."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[False] * 5]))
-    along, across = (SimpleNamespace(velocity=np.array(v), spin=np.zeros(3), rotation=np.eye(3))
-                     for v in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)))
+    along, across = (moving(*v) for v in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)))
     assert _free_energy((body, body), (along, across)) == pytest.approx(100.0)

@@ -10,6 +10,7 @@ from contact_bed import PLACES, PRESSURE, RIGHT_HAND, ball, bed, body_at, domain
 from hybrid.body.attitude import exp_so3
 from hybrid.contact import contact_points
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.contact_points import SoilSurface
 from hybrid.contact.search import Reach
 from hybrid.linalg.stencil_pattern import make_pattern
 from hybrid.state import ContactHistory
@@ -23,10 +24,9 @@ def pair_of(places="faces", friction=0.3, history=None, included=True):
     body = SimpleNamespace(
         surface=ball(), friction=friction, tangential=0.5, places=PLACES[places],
         free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE))
-    return grid, ContactPair(
-        body, body_at(*POSE), history or ContactHistory.empty(), domains_of(position, half, included), grid,
-        np.ones(grid.node_count, bool), Reach(0.08, 0.0), (np.zeros((grid.node_count, 3)), POSE),
-        begins=history is None)
+    soil = SoilSurface(domains_of(position, half, included), grid, np.ones(grid.node_count, bool))
+    return grid, ContactPair(soil, body, body_at(*POSE), history or ContactHistory.empty(), Reach(0.08, 0.0),
+                             (np.zeros((grid.node_count, 3)), POSE), begins=history is None)
 
 
 def moved(grid, seed=0, size=1e-3):

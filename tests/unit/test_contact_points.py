@@ -80,7 +80,7 @@ def brute_force(position, half, body, surface, reach, places):
             y = (position[point] + offset * half[point] - body.position) @ body.rotation
             triangle, feature, _, _, gap = closest(tuple(y), np.inf, surface.tree)
             normal = body.rotation @ surface.tree.normals[triangle, feature]
-            if abs(gap) < reach and places.facing(np.array([place]), normal[None])[0] > 0.0:
+            if abs(gap) < reach and places.projected_share(np.array([place]), normal[None])[0] > 0.0:
                 found.append(1000 * point + place)
     return found
 

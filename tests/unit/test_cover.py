@@ -38,9 +38,9 @@ def test_points_everywhere_have_the_area_of_the_surface(surface, area, spacing):
 @pytest.mark.parametrize("pose", [ORIGIN, (np.array([3.0, -2.0, 1.0]), RIGHT_HAND)])
 def test_each_layer_counts_once_whatever_the_pose(surface, pose):
     cover, (y, normal, area) = Cover.of(surface, WIDTH), at(surface)
-    foot, normal = pose[0] + y @ pose[1].T, normal @ pose[1].T
-    np.testing.assert_allclose(cover.layers(foot, normal, area, pose, EVERYWHERE), 1.0, atol=0.05)
-    two = cover.layers(*twice((foot, normal, area)), pose, EVERYWHERE)
+    closest_point, normal = pose[0] + y @ pose[1].T, normal @ pose[1].T
+    np.testing.assert_allclose(cover.layers(closest_point, normal, area, pose, EVERYWHERE), 1.0, atol=0.05)
+    two = cover.layers(*twice((closest_point, normal, area)), pose, EVERYWHERE)
     np.testing.assert_allclose(two, 2.0, atol=0.1)
 
 

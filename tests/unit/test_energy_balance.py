@@ -34,7 +34,7 @@ def test_energy_within_its_limits_gives_no_note():
 
 
 def test_a_gain_while_a_motion_begins_counts_only_once_the_energy_has_a_scale():
-    """A block starts to slide: the touch of contact in the first step is lost in the energy of the third. One that stays
+    """A block starts to slide: what contact stores in the first step is lost in the energy of the third. One that stays
     is reported."""
     sliding = [0.5 * step**2 for step in range(1, 8)]
     assert balance([0.25] * 7, sliding) == []

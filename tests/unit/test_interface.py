@@ -12,6 +12,7 @@ from hybrid.body.sharp_edges import find_edges
 from hybrid.contact import contact_points, interface
 from hybrid.contact import places as rules
 from hybrid.contact.contact_pair import ContactPair
+from hybrid.contact.contact_points import SoilSurface
 from hybrid.contact.cover import Cover
 from hybrid.contact.interface import Interface, PointLimits, place_limits
 from hybrid.contact.search import Reach
@@ -41,9 +42,9 @@ def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None,
                            contact_pressure=np.full(len(position), PRESSURE))
     pose = np.array([0.4, 0.4, height]), np.eye(3)
     limits = PointLimits(np.full(len(position), shear), tension, sharp)
-    pair = ContactPair(body, body_at(*pose), history or ContactHistory.empty(), domains_of(position, half), grid,
-                       np.ones(grid.node_count, bool), Reach(0.05, 0.0), (np.zeros((grid.node_count, 3)), pose), limits,
-                       begins=history is None if begins is None else begins)
+    soil = SoilSurface(domains_of(position, half), grid, np.ones(grid.node_count, bool))
+    pair = ContactPair(soil, body, body_at(*pose), history or ContactHistory.empty(), Reach(0.05, 0.0),
+                       (np.zeros((grid.node_count, 3)), pose), limits, begins=history is None if begins is None else begins)
     return grid, pair
 
 
@@ -161,8 +162,9 @@ def ball_in_a_bed(radius, height, tension=0.0):
     limits = PointLimits(np.full(len(position), SHEAR), tension)
 
     def pair(history):
-        return ContactPair(body, body_at(centre), history, domains, grid, np.ones(grid.node_count, bool), Reach(0.03, 0.0),
-                           (np.zeros((grid.node_count, 3)), (centre, np.eye(3))), limits, begins=not len(history.point))
+        return ContactPair(SoilSurface(domains, grid, np.ones(grid.node_count, bool)), body, body_at(centre), history,
+                           Reach(0.03, 0.0), (np.zeros((grid.node_count, 3)), (centre, np.eye(3))), limits,
+                           begins=not len(history.point))
 
     still = np.zeros((grid.node_count, 3)), (centre, np.eye(3))
     first = pair(ContactHistory.empty())
@@ -313,7 +315,7 @@ def test_a_block_that_slides_over_clay_has_friction_where_it_touches_anew(monkey
         return np.abs(np.array(tensions[4:]) / exact - 1.0).max()
 
     assert largest_error() < 0.015
-    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), rubs=False))
+    monkeypatch.setattr(contact, "interface_of", lambda *of: replace(interface_of(*of), frictional=False))
     assert largest_error() > 0.02
 
 

@@ -260,7 +260,7 @@ def test_a_ball_deep_in_clay_in_space(cone, depth, count):
     described = scene("ball", Grid(side, side, Axis(start=-1.2, end=0.2, size=0.2)),
                       Soil(replace(clay.clay(1e4), cone=cone), top=0.0, geostatic=False), [ball],
                       clay.Time(1.0, inertia=False), 1, WEIGHTLESS)
-    warnings = texts(cells.flow_around, described)
+    warnings = texts(cells.weak_cone_match, described)
     assert len(warnings) == count
     assert all("of its widths deep, limit 2," in text and 'cone = "compression"' in text for text in warnings)
 
@@ -273,7 +273,7 @@ def test_a_pile_deep_in_clay_that_is_pushed_sideways(z, count):
                 driven=("x", "z"), held=("y", "rx", "ry", "rz"), velocity=(0.1, 0.0, 0.0))
     described = scene("pile", Grid(side, side, Axis(start=-2.4, end=0.4, size=0.2)), Soil(clay.clay(1e4), top=0.0),
                       [pile], clay.Time(1.0, inertia=False), 1)
-    assert len(texts(cells.flow_around, described)) == count
+    assert len(texts(cells.weak_cone_match, described)) == count
 
 
 @pytest.mark.parametrize("length, count", [(1.2, 0), (0.6, 1)])
@@ -284,7 +284,7 @@ def test_a_bar_deep_in_clay_that_is_pulled_down(length, count):
                rotation=(1.0, 0.0, 0.0, 90.0), driven=("z",), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, -0.8))
     described = scene("bar", Grid(side, side, Axis(start=-2.4, end=0.4, size=0.2)), Soil(clay.clay(1e4), top=0.0),
                       [bar], clay.Time(1.0, inertia=False), 1)
-    assert len(texts(cells.flow_around, described)) == count
+    assert len(texts(cells.weak_cone_match, described)) == count
 
 
 @pytest.mark.parametrize("across, found", [(8, 1.13), (16, 1.07), (32, 1.05)])

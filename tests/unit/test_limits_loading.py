@@ -7,7 +7,9 @@ import pytest
 
 from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
-from hybrid.monitors.limits.loading import driven, law_at, loaded, sides, stays_attached, travels_of
+from hybrid.monitors.limits.loading import driven, loaded, travels_of
+from hybrid.monitors.limits.materials import law_at, stays_attached
+from hybrid.monitors.limits.shape import sides
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from contact_bed import ball, box
 
-from hybrid.monitors.limits.loading import is_round
 from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice, towed_roller
+from hybrid.monitors.limits.shape import is_round
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build

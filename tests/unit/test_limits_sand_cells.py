@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits import clay_cells, loading, sand_cells
+from hybrid.monitors.limits import clay_cells, sand_cells, shape
 from hybrid.runtime.data import DEMOS
 from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil
 from hybrid.scene.file import load_scene
@@ -96,7 +96,7 @@ def test_an_upright_blade_is_told_of_its_own_and_flat_ones_and_those_in_clay_of_
 
 def test_both_sides_of_a_bow_are_told_as_one_face_is(monkeypatch):
     """A box driven corner first in space leads with two faces alike, of which neither is most of what it covers."""
-    monkeypatch.setattr(loading, "LEADING", 0.6)    # each has just half, to round-off
+    monkeypatch.setattr(shape, "LEADING", 0.6)    # each has just half, to round-off
     described, found = blade(90), []
     grid = replace(described.grid, y=Axis(start=-1.0, end=1.0, size=0.1))
     for angle in (0.0, 45.0):

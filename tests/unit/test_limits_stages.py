@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hybrid.monitors.limits.stages import coarse_swings, long_strides, unreached_ends
+from hybrid.monitors.limits.stages import coarse_swings, long_increments, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -28,15 +28,15 @@ DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -2.0)}
 
 
 def test_a_body_driven_by_a_cell_a_step_is_told_with_the_step_that_is_short_enough():
-    (text,) = texts(long_strides, **DOWN)
+    (text,) = texts(long_increments, **DOWN)
     assert text.startswith("cube is driven by 1 cells along z in each step of stage 'go', limit 0.5")
     assert "at most 0.05 s" in text
-    (text,) = texts(long_strides, yields=False, **DOWN | {"velocity": (0.0, 0.0, -4.0)})
+    (text,) = texts(long_increments, yields=False, **DOWN | {"velocity": (0.0, 0.0, -4.0)})
     assert "by 2 cells" in text and "limit 1:" in text
 
 
 def test_accuracy_is_no_remedy_without_inertia():
-    (dynamic,), (static,) = texts(long_strides, **DOWN), texts(long_strides, time={"inertia": False}, **DOWN)
+    (dynamic,), (static,) = texts(long_increments, **DOWN), texts(long_increments, time={"inertia": False}, **DOWN)
     assert dynamic.endswith("or set time.accuracy") and "accuracy" not in static
 
 
@@ -45,13 +45,13 @@ def test_accuracy_is_no_remedy_without_inertia():
     {"soil": {"held": True}}, {"yields": False}, {"driven": ()},
     {"stage": {"motions": (Motion(component="z", velocity=-0.5),)}}])
 def test_shorter_strides_and_those_that_do_no_harm_are_not(values):
-    assert not texts(long_strides, **DOWN | values)
+    assert not texts(long_increments, **DOWN | values)
 
 
 @pytest.mark.parametrize("motion", [
     {"velocity": ((0.0, 0.0), (0.5, 2.0), (1.0, 0.0))}, {"displacement": ((0.0, 0.0), (0.2, 0.4), (5.0, 0.4))}])
 def test_tables_of_motions_count_with_their_fastest_step(motion):
-    (text,) = texts(long_strides, {"motions": (Motion(component="x", **motion),)})
+    (text,) = texts(long_increments, {"motions": (Motion(component="x", **motion),)})
     assert "by 1 cells along x" in text
 
 

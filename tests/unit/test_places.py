@@ -38,7 +38,7 @@ def test_a_collapsed_axis_has_one_place_along_it_and_no_face(axis):
 @pytest.mark.parametrize("axis", range(3))
 def test_in_a_column_each_end_has_one_place_with_its_whole_area(axis):
     found = places.faces(4, np.arange(3) != axis)
-    assert len(found) == 2 and (found.axis == axis).all() and found.along == 1
+    assert len(found) == 2 and (found.axis == axis).all() and found.per_edge == 1
     assert areas(found) == pytest.approx(np.full(2, np.delete(2 * HALF, axis).prod()), rel=1e-14)
 
 
@@ -62,7 +62,7 @@ def test_a_staircase_has_the_area_of_the_plane_that_it_approximates(slope):
     found, width = places.faces(2), 2 * HALF[0]
     normal = np.array([-slope, 0.0, -1.0]) / np.hypot(slope, 1.0)       # of a body above: it points into the soil
     number, total = every(found), 0.0
-    weight = found.facing(number, np.tile(normal, (len(number), 1)))
+    weight = found.projected_share(number, np.tile(normal, (len(number), 1)))
     for face, area in ((np.array([0, 0, 1]), width * 2 * HALF[1]), (np.array([1, 0, 0]), slope * width * 2 * HALF[1])):
         own = (found.normal == face).all(axis=1)[number // 4]
         assert np.ptp(weight[own]) == 0.0
@@ -76,7 +76,7 @@ def test_of_two_faces_that_coincide_one_looks_at_the_body():
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     for axis in range(3):
         lower, upper = (np.flatnonzero((found.normal == side * np.eye(3)[axis]).all(axis=1))[0] * 9 for side in (-1, 1))
-        pair = [found.facing(np.full(50, number), normal) for number in (lower, upper)]
+        pair = [found.projected_share(np.full(50, number), normal) for number in (lower, upper)]
         assert ((pair[0] > 0) != (pair[1] > 0)).all()
         np.testing.assert_allclose(pair[0] + pair[1], np.abs(normal[:, axis]))
 
@@ -93,5 +93,5 @@ def test_corners_carry_a_quarter_of_a_point_wherever_the_body_is():
     found = places.corners()
     assert found.at_corners and len(found) == 8 and not places.faces(4).at_corners
     np.testing.assert_allclose(areas(found), 0.25 * (8 * HALF.prod()) ** (2 / 3))
-    assert found.facing(every(found), np.tile([0.0, 0.0, 1.0], (8, 1))).tolist() == [1.0] * 8
+    assert found.projected_share(every(found), np.tile([0.0, 0.0, 1.0], (8, 1))).tolist() == [1.0] * 8
     assert found.flat[5].tolist() == [1.0, -1.0, 1.0]      # bits 4, 2, 1: upper end along x, y, z

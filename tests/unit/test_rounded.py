@@ -29,8 +29,8 @@ def gap(surface, *place):
 
 
 def normal(surface, *place):
-    triangle, feature, foot, weights, distance = closest(np.array(place), np.inf, surface.tree)
-    return np.array(gap_geometry(np.array(place), foot, weights, distance, triangle, feature, surface.tree)[0])
+    triangle, feature, closest_point, weights, distance = closest(np.array(place), np.inf, surface.tree)
+    return np.array(gap_geometry(np.array(place), closest_point, weights, distance, triangle, feature, surface.tree)[0])
 
 
 def rim(surface):

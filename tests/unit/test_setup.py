@@ -241,19 +241,20 @@ def test_a_body_that_rolls_on_stiff_soil_does_not_feel_single_places(young, driv
                        for held in (False, True))
     expected = held.contact_pressure if softer else 500 / 0.2 * young
     np.testing.assert_allclose(deforming.contact_pressure, expected)
-    assert (deforming.places.along == held.places.along) == (not driven)
+    assert (deforming.places.per_edge == held.places.per_edge) == (not driven)
 
 
-@pytest.mark.parametrize("radius, law, along", [(0.05, "von-mises", 8), (0.2, "von-mises", 8), (0.5, "von-mises", 4),
-                                                (0.05, "hencky", 32)])
-def test_places_in_soil_that_yields_do_not_follow_what_is_finer_than_a_cell(radius, law, along):
+@pytest.mark.parametrize("radius, law, per_edge", [(0.05, "von-mises", 8), (0.2, "von-mises", 8), (0.5, "von-mises", 4),
+                                                   (0.05, "hencky", 32)])
+def test_places_in_soil_that_yields_do_not_follow_what_is_finer_than_a_cell(radius, law, per_edge):
     """In cells of 0.2 m and domains of 0.1 m; elastic soil may carry a ball on a patch as narrow as its radius asks for."""
     ball = replace(box(0.4, 0.4, 0.4, rest_on=0.0, driven=("z",)), geometry=GEOMETRY.with_name("sphere.geo"),
                    parameters={"radius": radius, "size": 0.5 * radius})
     described = soil_scene([ball], gravity=(0.0, 0.0, -9.81))
     strength = 1e4 if law == "von-mises" else None
     material = replace(described.soil.material, law=law, strength=strength)
-    assert build(replace(described, soil=replace(described.soil, material=material))).model.bodies[0].places.along == along
+    body, = build(replace(described, soil=replace(described.soil, material=material))).model.bodies
+    assert body.places.per_edge == per_edge
 
 
 @pytest.mark.parametrize("young", [1e5, 1e9])

@@ -19,8 +19,9 @@ SHAPES = {"sphere": sphere, "ellipsoid": ellipsoid, "torus": torus}
 
 @njit
 def query(y, tree):
-    triangle, feature, foot, weights, gap = closest(y, np.inf, tree)
-    return triangle, feature, foot, weights, gap, gap_geometry(y, foot, weights, gap, triangle, feature, tree)
+    triangle, feature, closest_point, weights, gap = closest(y, np.inf, tree)
+    geometry = gap_geometry(y, closest_point, weights, gap, triangle, feature, tree)
+    return triangle, feature, closest_point, weights, gap, geometry
 
 
 def gaps_and_normals(surface, places):
@@ -93,9 +94,9 @@ def test_gaps_about_a_centre_of_curvature(level, largest, mean):
     error = np.abs([gap for *_, gap in found] - exact)
     assert error.max() < largest and error.mean() < mean
     assert np.count_nonzero([feature == FIXED for _, feature, *_ in found]) > 20
-    for place, (triangle, feature, foot, weights, gap) in zip(y, found):
-        N, _, _ = gap_geometry(place, foot, weights, gap, triangle, feature, surface.tree)
-        np.testing.assert_allclose(foot + gap * np.array(N), place, atol=1e-9)
+    for place, (triangle, feature, closest_point, weights, gap) in zip(y, found):
+        N, _, _ = gap_geometry(place, closest_point, weights, gap, triangle, feature, surface.tree)
+        np.testing.assert_allclose(closest_point + gap * np.array(N), place, atol=1e-9)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -117,7 +118,7 @@ def test_gradient_and_curvature_by_differences():
             r, z = np.random.default_rng(2).uniform((0.4, -0.2), (0.7, 0.2), (150, 2)).T
             places = np.stack((r * np.cos(a), r * np.sin(a), z), axis=1)
         for y in places:
-            _, feature, foot, weights, gap, (N, gradient, G) = query(y, surface.tree)
+            _, feature, closest_point, weights, gap, (N, gradient, G) = query(y, surface.tree)
             sides = [[query(y + s * h * e, surface.tree) for s in (1, -1)] for e in np.eye(3)]
             if any(q[1] != feature or q[1] > 0 and q[0] != sides[0][0][0] for pair in sides for q in pair):
                 continue
@@ -128,7 +129,7 @@ def test_gradient_and_curvature_by_differences():
             np.testing.assert_allclose(gradient, [(p[4] - m[4]) / (2 * h) for p, m in sides], atol=1e-7)
             np.testing.assert_allclose(
                 np.array(G).T, [np.subtract(p[5][0], m[5][0]) / (2 * h) for p, m in sides], atol=1e-6)
-            np.testing.assert_allclose(np.subtract(y, foot), gap * np.array(N), atol=1e-12)
+            np.testing.assert_allclose(np.subtract(y, closest_point), gap * np.array(N), atol=1e-12)
             kind = "face" if feature == 0 else "edge" if feature < 4 else "vertex"
             checked[name, kind, gap < 0] = checked.get((name, kind, gap < 0), 0) + 1
     for name in SHAPES:

@@ -33,7 +33,7 @@ def drawn(monkeypatch):
             yield drawing
             kept.append(drawing)
 
-    for module in (failure_map, panels):
+    for module in (failure_map, figures, panels):
         monkeypatch.setattr(module, "figure", keeping)
     return kept
 
@@ -51,6 +51,16 @@ def test_error_against_cost(drawn, tmp_path):
     curves = {bars.get_label(): bars.lines[0] for bars in first.containers}
     assert curves["fine"].get_xdata().tolist() == [2.0, 20.0]       # in the order of their costs
     assert curves["other program"].get_linestyle() == ":" != curves["default"].get_linestyle()
+
+
+@pytest.mark.parametrize("ending, label", [
+    ("tension_N", "line tension [N]"), ("tension_whole_N", "line tension, whole body [N]")])
+def test_axis_of_tension_names_the_whole_body_only_where_half_is_modelled(drawn, tmp_path, monkeypatch, ending, label):
+    columns = dict.fromkeys(("time_s", "stage", "wholesale_x_m", "wholesale_y_m", "wholesale_tension_N"), np.arange(3.0))
+    monkeypatch.setattr(figures, "read_history", lambda folder: columns | {f"wholesale_{ending}": np.arange(3.0)})
+    monkeypatch.setattr(figures, "stage_starts", lambda history: [])
+    figures.tension(tmp_path)
+    assert drawn[0].axes[0].get_ylabel() == label
 
 
 def test_labels_keep_apart_and_in_the_panel():

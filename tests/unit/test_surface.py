@@ -86,7 +86,7 @@ def points_around(surface, count=1500, seed=0):
 
 
 def brute_distance(y, vertices, triangles):
-    """Distance by the foot on every plane that falls inside its triangle, and on every segment."""
+    """Distance by the closest point on every plane that falls inside its triangle, and on every segment."""
     v = vertices[triangles]
     best = np.inf
     for k in range(3):
@@ -96,8 +96,8 @@ def brute_distance(y, vertices, triangles):
     n = np.cross(v[:, 1] - v[:, 0], v[:, 2] - v[:, 0])
     n /= np.linalg.norm(n, axis=1)[:, None]
     height = ((y - v[:, 0]) * n).sum(1)
-    foot = y - height[:, None] * n
-    left = [(np.cross(v[:, (k + 1) % 3] - v[:, k], foot - v[:, k]) * n).sum(1) >= 0 for k in range(3)]
+    closest_point = y - height[:, None] * n
+    left = [(np.cross(v[:, (k + 1) % 3] - v[:, k], closest_point - v[:, k]) * n).sum(1) >= 0 for k in range(3)]
     inside = np.all(left, axis=0)
     return min(best, np.abs(height[inside]).min()) if inside.any() else best
 
@@ -117,11 +117,11 @@ def test_closest_point_and_sign_against_brute_force(shape):
     tree = surface.tree
     insides = 0
     for y in points_around(surface, 800):
-        triangle, feature, foot, weights, gap = closest(y, np.inf, tree)
+        triangle, feature, closest_point, weights, gap = closest(y, np.inf, tree)
         corners = surface.vertices[surface.triangles[triangle]]
         assert abs(gap) == pytest.approx(brute_distance(y, *SHAPES[shape]), abs=1e-14)
-        assert np.linalg.norm(y - foot) == pytest.approx(abs(gap), abs=1e-14)
-        np.testing.assert_allclose(weights @ corners, foot, atol=1e-13)
+        assert np.linalg.norm(y - closest_point) == pytest.approx(abs(gap), abs=1e-14)
+        np.testing.assert_allclose(weights @ corners, closest_point, atol=1e-13)
         assert min(weights) > -1e-14 and sum(weights) == pytest.approx(1.0)
         inside = is_inside(y, *SHAPES[shape])
         assert (gap < 0) == inside
@@ -134,8 +134,8 @@ def test_the_normal_of_the_nearest_triangle_alone_gives_wrong_signs():
     surface = build_surface(*spike())
     wrong = 0
     for y in points_around(surface, 800):
-        triangle, _, foot, _, gap = closest(y, np.inf, surface.tree)
-        wrong += (surface.normals[triangle] @ (y - foot) < 0) != (gap < 0)
+        triangle, _, closest_point, _, gap = closest(y, np.inf, surface.tree)
+        wrong += (surface.normals[triangle] @ (y - closest_point) < 0) != (gap < 0)
     assert wrong > 20
 
 
@@ -156,15 +156,15 @@ def test_reach_limits_the_search(shape):
 @njit
 def query(y, tree):
     """As a contact kernel calls it."""
-    triangle, feature, foot, weights, gap = closest(y, np.inf, tree)
-    return triangle, feature, foot, gap, gap_geometry(y, foot, weights, gap, triangle, feature, tree)
+    triangle, feature, closest_point, weights, gap = closest(y, np.inf, tree)
+    return triangle, feature, closest_point, gap, gap_geometry(y, closest_point, weights, gap, triangle, feature, tree)
 
 
 def geometry(y, tree):
-    """Triangle, feature, foot, gap, N and A = ∂(y - foot)/∂y = N N^T + g ∂N/∂y, where N is the gradient of the gap."""
-    triangle, feature, foot, gap, (N, gradient, G) = query(y, tree)
+    """Triangle, feature, closest point y_s, gap, N and A = ∂(y - y_s)/∂y = N N^T + g ∂N/∂y, N the gradient of the gap."""
+    triangle, feature, closest_point, gap, (N, gradient, G) = query(y, tree)
     assert gradient == N
-    return triangle, feature, foot, gap, N, np.outer(N, N) + gap * np.array(G)
+    return triangle, feature, closest_point, gap, N, np.outer(N, N) + gap * np.array(G)
 
 
 def box_geometry(y):
@@ -229,11 +229,11 @@ def test_edges_between_coplanar_triangles_have_the_face_normal():
         np.testing.assert_allclose(surface.tree.normals[t, 1 + k], surface.normals[t], atol=1e-15)
         middle = 0.5 * (ends[t, k] + ends[t, (k + 1) % 3])
         for y in (middle + 0.1 * surface.normals[t], middle - 0.1 * surface.normals[t], middle):
-            _, feature, foot, gap, N, A = geometry(y, surface.tree)
+            _, feature, closest_point, gap, N, A = geometry(y, surface.tree)
             assert feature == 0
             np.testing.assert_allclose(N, surface.normals[t], atol=1e-15)
             np.testing.assert_allclose(A, np.outer(N, N), atol=1e-15)
-            np.testing.assert_allclose(foot, middle, atol=1e-15)
+            np.testing.assert_allclose(closest_point, middle, atol=1e-15)
 
 
 def test_vertex_along_a_straight_edge_slides_along_it():

@@ -16,7 +16,11 @@ a little more than of a strip with both edges on lines of the grid (`cells`). A 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, feet, law_at, loaded, smaller_cells, top_of
+from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.materials import CLAY, law_at
+from hybrid.monitors.limits.shape import feet
+from hybrid.monitors.limits.start import top_of
 
 PER_CELL = 0.7
 DOWN = 0.5          # of a travel: what goes down by less is pushed sideways

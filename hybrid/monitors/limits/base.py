@@ -26,8 +26,11 @@ import numpy as np
 
 from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
-from hybrid.monitors.limits.contact import initial_vertices
-from hybrid.monitors.limits.loading import CLAY, EXCESS, driven, law_at, loaded, material_at, narrowest, smaller_cells
+from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.materials import CLAY, law_at, material_at
+from hybrid.monitors.limits.shape import narrowest
+from hybrid.monitors.limits.start import initial_vertices
 from hybrid.runtime.comm import anywhere
 from hybrid.scene.soil import ends, span
 

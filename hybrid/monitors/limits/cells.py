@@ -21,9 +21,11 @@ from collections import Counter
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, driven, faces, feet, heading, law_at, leads, loaded,
-                                            material_at, narrowest, sides, smaller_cells, stays_attached, through_clay,
-                                            top_of)
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded, through_clay
+from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
+from hybrid.monitors.limits.shape import faces, feet, heading, leads, narrowest, sides
+from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import minimum
 from hybrid.soil.points import extent
 
@@ -68,7 +70,7 @@ def few_cells(scene, model):
     cell = model.soil.grid.resolution
     pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
     pushed += [(body, cell * force / np.linalg.norm(force), *others, -np.inf)
-               for body, force, *others in loaded(scene, model) if not body.borne]
+               for body, force, *others in loaded(scene, model) if not body.below_capacity]
     several = Counter(body.name for body, *_ in pushed)
     for body, travel, place, plane, inclined, arm, depth in pushed:
         if not plane:
@@ -123,7 +125,7 @@ def _under_all(soil, place):
     return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.resolution
 
 
-def flow_around(scene, model):
+def weak_cone_match(scene, model):
     """Deep flow of clay in space around a body without a plane face, with a match of the cone that is too weak there."""
     soil = model.soil
     material = scene.soil.material
@@ -270,4 +272,4 @@ def _growing(scene, soil, place, travel):
     return FROM_NONE if ratio > WEAK else 1.0 + GROWTH * ratio ** GROWING
 
 
-LIMITS = (few_cells, flow_around, wedges, trapdoors)
+LIMITS = (few_cells, weak_cone_match, wedges, trapdoors)

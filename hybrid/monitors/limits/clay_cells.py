@@ -29,9 +29,12 @@ import numpy as np
 
 from hybrid.body.guides import forces_of
 from hybrid.body.symmetry import copies
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded, through_clay
+from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, STEEP, driven, facing, law_at, loaded, material_at,
-                                            narrowest, outline, sides, smaller_cells, stays_attached, through_clay, top_of)
+from hybrid.monitors.limits.shape import leading_normal, narrowest, sides
+from hybrid.monitors.limits.start import STEEP, outline, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -105,7 +108,7 @@ def flow_around(scene, model):
     for body, travel, place, plane in through_clay(scene, model):
         width = narrowest(soil.grid, place, travel)
         above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
-        if plane or not width or above < COVERED * width or facing(body, place, travel) is not None or law_at(
+        if plane or not width or above < COVERED * width or leading_normal(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean()) != CLAY:
             continue
         factor, cells = _around(body, soil), width / soil.grid.resolution
@@ -152,7 +155,7 @@ def _width_on_clay(scene, soil, body, place):
         return 0.0
     width = narrowest(soil.grid, place, down)
     covered = top_of(soil) - place[:, 2].max() >= COVERED * width
-    return 0.0 if covered or facing(body, place, down) is not None else width
+    return 0.0 if covered or leading_normal(body, place, down) is not None else width
 
 
 def _few_cells(body, width, soil):
@@ -208,7 +211,7 @@ def balls(scene, model):
         short = np.ptp(place[:, 2]) <= SHAFT * width
         above = top_of(soil) - place[:, 2].max() - min(travel[2], 0.0)
         known = body.interface is not None and not plane and short and width > 0.0    # a smooth ball was not measured
-        if not known or above < COVERED * width or facing(body, place, travel) is not None or law_at(
+        if not known or above < COVERED * width or leading_normal(body, place, travel) is not None or law_at(
                 scene, soil, place[:, 2].mean() + min(travel[2], 0.0)) != CLAY:
             continue
         factor, cells = BALL if stays_attached(body, soil) else PARTED, width / soil.grid.resolution
@@ -228,7 +231,7 @@ def penetrators(scene, model):
         width = narrowest(soil.grid, place, travel)
         depth = top_of(soil) - place[:, 2].min() - travel[2]
         down = travel[2] < 0.0 and -travel[2] > np.abs(travel[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0
-        if not down or depth < DEEP * width or facing(body, place, travel) is not None or law_at(
+        if not down or depth < DEEP * width or leading_normal(body, place, travel) is not None or law_at(
                 scene, soil, top_of(soil) - 0.5 * depth) != CLAY:
             continue
         cells = width / soil.grid.resolution

@@ -2,17 +2,15 @@
 
 import numpy as np
 
-from hybrid.body.attitude import initial_rotation
 from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.contact.interface import RAMP
 from hybrid.contact.search import distances
+from hybrid.monitors.limits.start import covers, initial_vertices, levelled, top_of
 from hybrid.runtime.comm import anywhere, minimum, total
-from hybrid.scene.ground import heights_at, steepest
 from hybrid.scene.soil import clay_layers, laws
-from hybrid.soil.given_ground import STEEPEST
 from hybrid.soil.points import extent
 
 # Each number is the one from which a failure case of the study goes wrong.
@@ -20,13 +18,12 @@ STIFFNESS_RATIO = 10.0      # p_f times the depth of soil [-]: below it contact 
 TANGENTIAL_RATIO = 0.3      # ε_T/ε_N [-]: below it a rolling sphere creeps by 5 % of its path and more
 SPACINGS = 2.0              # width of a body over the spacing of contact points [-]: below it too few sample the body
 # Thickness of a wall with clay on both sides, in cells: thinner ones may have no grid line free of soil between
-ROUNDED = 0.99  # of a limit, as a text gives the size of cells to two digits
 THICKNESS = 2.0
+ROUNDED = 0.99              # of a limit, as a text gives the size of cells to two digits
 THIN_SHARE = 0.25           # of the surface in clay, that is thinner
-ACROSS = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
+PARTED = 0.3                # cosine: faces that a driven body moves along are not parted from the soil
 SAMPLES = 20                # of a thickness
 FLUSH = 1e-3                # cells: a face as far below the top of the soil lies on it
-RIM = 0.15                  # cells that a lid may leave uncovered: contact sees its edges there as on the lines of the grid
 CELL_ROWS = 1.5             # mass of a body over that of a row of cells [-]: lighter ones rebound from nodes
 
 
@@ -64,7 +61,7 @@ def narrow_body(scene, model):
     domain, cell = 2 * minimum(half[:, :2][:, across]), model.soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
-        width, spacing = _width(place[:, :2] * across), domain / body.places.along
+        width, spacing = _width(place[:, :2] * across), domain / body.places.per_edge
         above = body.guided.all() and not body.driven.any() and place[:, 2].min() > top_of(model.soil) + 0.5 * cell
         if width < SPACINGS * spacing and not above and body.ground is None:
             denser = 'Set body.contact = "faces", or use' if body.places.at_corners else "Use"
@@ -120,13 +117,6 @@ def _shares(cells):
     return "shares nodes" if cells < 1.05 else "may, by where its faces lie between lines, share nodes"
 
 
-def covers(vertices, soil):
-    """Whether a body reaches over all of the soil in plan, but for RIM, so that hardly any gets above it."""
-    slack = RIM * soil.grid.smallest_cell
-    ends = [(vertices[:, axis], *extent(soil.constants, axis)) for axis in np.flatnonzero(~soil.grid.collapsed[:2])]
-    return all(x.min() <= low + slack and x.max() >= high - slack for x, low, high in ends)
-
-
 def _thickness(scene, described, body, vertices, limit, top):
     """(Mean thickness [m] of the walls of a body that are thinner than `limit` [m], and their share of its surface), of its
     surface across the travel it is driven and below `top` [m] at the end. vertices: (V, 3) [m] over level ground."""
@@ -137,7 +127,7 @@ def _thickness(scene, described, body, vertices, limit, top):
     travel = np.array([travel_along(scene, described, name) for name in "xyz"])
     across = np.ones(len(area), bool)
     if travel.any() and body.guided[:3].all():
-        across = np.abs(normal @ travel) > ACROSS * area * np.linalg.norm(travel)
+        across = np.abs(normal @ travel) > PARTED * area * np.linalg.norm(travel)
     down = corners.mean(axis=1)[:, 2] + min(travel[2], 0.0)
     near = np.flatnonzero(across & (down < top))
     inward = (surface.vertices[surface.triangles[near]].mean(axis=1)[:, None]
@@ -159,7 +149,7 @@ def unpressed_adhesion(scene, model):
     cell, at = soil.grid.smallest_cell, levelled(soil, soil.constants.position)
     for described, body in zip(scene.bodies, model.bodies):
         interface, place = body.interface, levelled(soil, initial_vertices(described, body))
-        alone = interface and interface.adhesion and not interface.tension and not interface.rubs
+        alone = interface and interface.adhesion and not interface.tension and not interface.frictional
         near = ((at > place.min(axis=0) - cell) & (at < place.max(axis=0) + cell) | soil.grid.collapsed).all(axis=1)
         if alone and place[:, 2].min() < top_of(soil) - cell and anywhere(near & soil.law.undrained):
             yield (f"{body.name} is in clay without weight, which does not press on it: adhesion is at most {RAMP:g} times "
@@ -230,35 +220,6 @@ def _width(place):
     angle = np.linspace(0.0, np.pi, 37)[:-1]
     widths = np.ptp(place @ np.array([np.cos(angle), np.sin(angle)]), axis=0)
     return float(widths.min() if np.ptp(place, axis=0).all() else widths.max())
-
-
-def top_of(soil):
-    """Height [m] of the highest soil at the start."""
-    return extent(soil.constants, 2)[1]
-
-
-def levelled(soil, place):
-    """Places (V, 3) [m] as far above or below the top of the soil as they are above or below the ground, where its heights
-    are given and it has no wall: as if it were level."""
-    if soil.heights is None or steepest(soil.heights[0]) > STEEPEST:
-        return place
-    height = np.minimum(heights_at(soil.heights[0], place[:, :2]), soil.heights[1])
-    return place + np.array([0.0, 0.0, 1.0]) * (top_of(soil) - height)[:, None]
-
-
-def initial_vertices(described, body, surface=None):
-    """Vertices (V, 3) [m] of a body's surface of contact, or of another `surface` of it, at its initial pose."""
-    centre, rotation = initial_pose(described, body)
-    return centre + (surface or body.surface).vertices @ rotation.T
-
-
-def initial_pose(described, body):
-    """(centre of mass (3,) [m], rotation (3, 3)) of a body at the start."""
-    rotation = initial_rotation(described)
-    centre = np.array(described.position or (0.0, 0.0, 0.0)) + rotation @ body.mass.centre
-    if described.rest_on is not None:
-        centre[2] = described.rest_on + body.outline.extent(-rotation[2])
-    return centre, rotation
 
 
 LIMITS = (low_penalty, low_tangential_stiffness, narrow_body, narrow_face, thin_wall, unpressed_adhesion, unpressed_bond,

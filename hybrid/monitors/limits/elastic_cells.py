@@ -37,10 +37,12 @@ from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
-from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, driven, is_round, joined, leads, loaded, material_at, narrowest,
-                                            outline, sides, top_of)
+from hybrid.monitors.limits.cell_size import EXCESS
+from hybrid.monitors.limits.loading import bodies_joined_to, driven, loaded
+from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.rolling import contact_radius
+from hybrid.monitors.limits.shape import is_round, leads, narrowest, sides
+from hybrid.monitors.limits.start import covers, outline, top_of
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain
@@ -134,7 +136,7 @@ def _under_joints(scene, model, known):
     """As bodies `loaded` along z, those of which it is not `known` because joints hand on to them what others carry."""
     found = []
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        if joined(scene, i) - {None} and body.free[2] and body.name not in known:
+        if bodies_joined_to(scene, i) - {None} and body.free[2] and body.name not in known:
             whole, place = outline(described, body, model.soil)
             travel = np.array([0.0, 0.0, -1.0])
             found.append((whole, travel, None, place, leads(whole, place, travel), 0.0))
@@ -146,7 +148,7 @@ def _little(body, material, depth, width):
     without yielding. Of sand only forces count, whatever they are."""
     if material.law != CLAY:
         return depth is None
-    return body.borne if depth is None else depth < BEARING * material.strength * width / (material.young or np.inf)
+    return body.below_capacity if depth is None else depth < BEARING * material.strength * width / (material.young or np.inf)
 
 
 LIMITS = (unresolved_contact, soft_springs)

@@ -61,10 +61,12 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import covers
+from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.materials import SAND, material_at
 from hybrid.monitors.limits.sand_cells import clay_under
-from hybrid.monitors.limits.loading import (EXCESS, SAND, driven, facing, loaded, material_at, narrowest, sides,
-                                            smaller_cells, top_of)
+from hybrid.monitors.limits.shape import leading_normal, narrowest, sides
+from hybrid.monitors.limits.start import covers, top_of
 
 COHESION, FRICTION, ORDER = 0.41, 0.0215, 0.75      # FRICTION: for each degree of φ
 REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, power of the rise, largest that was measured
@@ -120,7 +122,7 @@ def lifted(scene, model):
     cell = soil.grid.resolution
     for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
         top, width = place[:, 2].max(), narrowest(soil.grid, place, travel)
-        inclined = not plane and facing(body, place, travel) is not None
+        inclined = not plane and leading_normal(body, place, travel) is not None
         if travel[2] <= 0.0 or not width or top_of(soil) - top <= cell or inclined:
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width

@@ -8,7 +8,9 @@
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import CLAY, EXCESS, SAND, STEEP, material_at, step_of_ground, top_of
+from hybrid.monitors.limits.cell_size import EXCESS
+from hybrid.monitors.limits.materials import CLAY, SAND, material_at
+from hybrid.monitors.limits.start import STEEP, step_of_ground, top_of
 from hybrid.scene.ground import heights, heights_at
 
 CUT = 1.05

@@ -5,7 +5,7 @@ import numpy as np
 from hybrid.body.paths import path_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import AXES
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
 from hybrid.runtime.units import force as force_text
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved
@@ -38,7 +38,7 @@ def swallowed_loads(scene, model):
 def _lost(described, body, load):
     """(component 0 to 5, text of the force or moment) of what a PointLoad puts on components that are not free."""
     force, moment = ([np.zeros(3)] if table is None else table.values for table in (load.force, load.moment))
-    arm, lever = _arm(described, body, load.point), ASIDE * np.ptp(body.outline.vertices, axis=0).max()
+    arm, least = _arm(described, body, load.point), ASIDE * np.ptp(body.outline.vertices, axis=0).max()
     largest = max(np.linalg.norm(row) for row in force)
     for axis in np.flatnonzero(~body.free[:3]):
         value = max((row[axis] for row in force), key=abs)
@@ -51,7 +51,7 @@ def _lost(described, body, load):
         of_force = max((np.cross(arm, row * across)[axis] for row in force), key=abs)
         if abs(given) > SWALLOWED * max(np.linalg.norm(row) for row in moment):
             yield axis + 3, f"m{'xyz'[axis]} = {force_text(given, 'N m')}"
-        elif abs(of_force) > lever * largest:
+        elif abs(of_force) > least * largest:
             yield axis + 3, f"the moment m{'xyz'[axis]} = {force_text(of_force, 'N m')} of the force at its point"
 
 
@@ -139,10 +139,10 @@ def _half_at(scene, soil, axis, low, high):
     a, (start, end) = AXES[axis], soil.grid.extent[AXES[axis]]
     lowest, highest = extent(soil.constants, a)
     covers = low <= start and high >= end
-    for side, face, reached in (("min", start, lowest), ("max", end, highest)):
+    for side, face, reached in ((0, start, lowest), (1, end, highest)):
         middle = abs(0.5 * (low + high) - face) < MIDDLE * (high - low)
         near = abs(reached - face) < soil.grid.smallest_cell
-        if middle and not covers and near and getattr(scene.grid.faces, f"{axis}_{side}") == "roller":
+        if middle and not covers and near and scene.grid.faces.of(a, side) == "roller":
             yield face
 
 

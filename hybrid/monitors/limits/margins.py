@@ -12,8 +12,8 @@ The limits are those where it is a tenth too high; in sand mechanisms reach fart
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import covers
 from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.start import covers
 from hybrid.runtime.comm import maximum
 from hybrid.soil.points import extent
 
@@ -53,8 +53,8 @@ def covered(scene, model):
         axes = np.flatnonzero(~soil.grid.collapsed[:2])
         ends = [(extent(soil.constants, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
         closed = all(np.abs(np.subtract(reached, limits)).max() < soil.grid.smallest_cell
-                     and "free" not in (getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max"))
-                     for reached, limits, name in ends)
+                     and "free" not in (scene.grid.faces.of(axis, side) for side in (0, 1))
+                     for axis, (reached, limits, _) in zip(axes, ends))
         if len(axes) and travel[2] <= -DOWN * np.linalg.norm(travel) and closed and covers(place, soil):
             where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
             yield (f"{body.name} covers all of the soil, {where}, up to faces of the grid that hold it: nothing can "
@@ -98,7 +98,7 @@ def _beside(scene, soil, place):
             continue
         width = ends[1] - ends[0] if all(inside) else 2 * (ends[1] - limits[0] if inside[1] else limits[1] - ends[0])
         for side, sign in ((0, 1), (1, -1)):
-            condition = getattr(scene.grid.faces, f"{name}_{('min', 'max')[side]}")
+            condition = scene.grid.faces.of(axis, side)
             closed = abs(reached[side] - limits[side]) < cell and condition != "free"
             gap = sign * (ends[side] - limits[side]) if inside[side] and closed else None
             yield width, gap, f"{name} = {limits[side]:.3g} m"

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.monitors.limits.contact import initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_vertices, top_of
 from hybrid.scene.body import out_of_plane
 from hybrid.soil.points import extent
 
@@ -40,13 +40,12 @@ def beside_roller(scene, model):
         for a in np.flatnonzero(~soil.grid.collapsed[:2] & body.free[:2] & ~body.driven[:2]):
             ends, found = soil.grid.extent[a], np.array([place[:, a].min(), place[:, a].max()])
             at = np.flatnonzero(np.abs(found - ends) < FLUSH * soil.grid.smallest_cell)
-            name = "xy"[a]
-            side = f"{name}_{('min', 'max')[at[0]]}" if len(at) == 1 else ""
-            if side and getattr(scene.grid.faces, side) == "roller":
+            if len(at) == 1 and scene.grid.faces.of(a, at[0]) == "roller":
+                name = "xy"[a]
                 turns = " and ".join(out_of_plane(name)[1:])
-                yield (f"{body.name} ends on the face {side} of the grid and may leave it: it is a whole body beside a "
-                       f"plane of symmetry. For a part of a body lay the whole one across {name} = {ends[at[0]]:.4g} m, "
-                       f"with its middle there, or hold {name}, {turns}")
+                yield (f"{body.name} ends on the face {name}_{('min', 'max')[at[0]]} of the grid and may leave "
+                       "it: it is a whole body beside a plane of symmetry. For a part of a body lay the whole one across "
+                       f"{name} = {ends[at[0]]:.4g} m, with its middle there, or hold {name}, {turns}")
                 break
 
 
@@ -117,8 +116,7 @@ def _place(soil, low, high, grid, joined):
                 "millimetres? body.rest_on puts it at a height")
     for i, name in axes:
         out = max(middle[i] - extent[i, 1], extent[i, 0] - middle[i])
-        side = "max" if middle[i] > 0.5 * sum(extent[i]) else "min"
-        free = getattr(grid.faces, f"{name}_{side}") == "free"
+        free = grid.faces.of(i, int(middle[i] > 0.5 * sum(extent[i]))) == "free"
         covers = low[i] <= extent[i, 0] and high[i] >= extent[i, 1]     # a platen over all of the soil
         if name != "z" and out > (-ROUND_OFF if free else ROUND_OFF) * size[i] and not covers and gap < size.max():
             # one that starts high above the soil may come down elsewhere
@@ -218,7 +216,7 @@ def odd_penalty(scene, model):
 def odd_halves(scene, model):
     """Bodies that are cut where the soil is not."""
     for i, body in enumerate(model.bodies):
-        if body.stray_cap:
+        if body.unmirrored_cut:
             yield (f"body.{i}: {body.name} is cut, but its cut face lies in no plane of symmetry of the grid, a roller "
                    "at the end of x or y: soil may pass through this face, and forces are those of the part. Put the "
                    "face on the end of the grid, or model the whole body")

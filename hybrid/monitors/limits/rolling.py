@@ -20,8 +20,9 @@ from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices
-from hybrid.monitors.limits.loading import CLAY, is_round, material_at, top_of
+from hybrid.monitors.limits.materials import CLAY, material_at
+from hybrid.monitors.limits.shape import is_round
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
 from hybrid.runtime.comm import maximum
 
 # (a/h, tangential force over the weight times r/a)

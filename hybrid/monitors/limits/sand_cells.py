@@ -17,9 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.contact import covers
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, SAND, STEEP, bow, driven, facing, law_at, leads, levelled, loaded,
-                                            material_at, narrowest, outline, sides, smaller_cells, top_of)
+from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
+from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
+from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -147,7 +149,7 @@ def pipes(scene, model):
     cell, top = soil.grid.resolution, top_of(soil)
     for body, travel, place, plane in driven(scene, model):
         bottom = place[:, 2].min()
-        round_one = not plane and travel[2] < 0.0 and facing(body, place, travel) is None
+        round_one = not plane and travel[2] < 0.0 and leading_normal(body, place, travel) is None
         if not round_one or bottom < top - LAID * cell or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:
             continue
         chord = narrowest(soil.grid, place[place[:, 2] + travel[2] < top], travel) if bottom + travel[2] < top else 0.0

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.paths import travel_along
-from hybrid.monitors.limits.loading import PLANE, faces, outline
+from hybrid.monitors.limits.shape import PLANE, faces
+from hybrid.monitors.limits.start import outline
 from hybrid.runtime.comm import anywhere
 
 ROW = 0.5       # cells from the line nearest to a gap to its farther face, from which on a row is sheared in it

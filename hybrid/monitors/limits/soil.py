@@ -5,8 +5,8 @@ import numpy as np
 from hybrid.body.rigid import FREEDOMS
 from hybrid.laws.cone import CORNER, ETA, RATIO, RESIDUAL, SLOPE, STRENGTH, UNLIMITED, plane_strain_strength
 from hybrid.laws.hencky import BULK, SHEAR
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices
-from hybrid.runtime.comm import anywhere, joined, maximum, minimum
+from hybrid.monitors.limits.start import initial_pose, initial_vertices
+from hybrid.runtime.comm import anywhere, gathered, maximum, minimum
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import materials
@@ -30,7 +30,7 @@ def slab(scene, model):
     if model.soil.held or grid.collapsed.any():
         return
     for axis, name in enumerate("xy"):
-        rollers = {getattr(scene.grid.faces, f"{name}_{side}") for side in ("min", "max")} == {"roller"}
+        rollers = {scene.grid.faces.of(axis, side) for side in (0, 1)} == {"roller"}
         cells = len(grid.lines[axis]) - 1
         if rollers and (cells == 1 or _same_along(scene, model, axis)):
             which, fewer = ("one cell between rollers", "") if cells == 1 else (
@@ -106,7 +106,7 @@ def softening(scene, model):
         return
     slopes = law.parameters[:, SLOPE]
     softest = law.parameters[slopes == minimum(slopes)][:1]     # of this process, if it has it
-    strength, slope, residual = joined(softest[:, [STRENGTH, SLOPE, RESIDUAL]])[0]
+    strength, slope, residual = gathered(softest[:, [STRENGTH, SLOPE, RESIDUAL]])[0]
     cell = model.soil.grid.smallest_cell
     slip = np.sqrt(3.0) * (strength - residual) / -slope * cell     # √3 times the plastic strain in simple shear
     modulus = min(m.hardening or 0.0 for m in materials(scene.soil))

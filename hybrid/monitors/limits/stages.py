@@ -8,7 +8,7 @@ from hybrid.scene.stage import table_rows
 
 # Cells that a driven body may move by in a step, by whether the soil yields. Hertz problems (hybrid.study.random) are
 # right on elastic soil with 0.7 of their finest cells.
-STRIDE = {False: 1.0, True: 0.5}
+PER_STEP = {False: 1.0, True: 0.5}
 REACHED = 1e-3      # of the largest value of a table: what may be missing from its last row when its stage ends
 SHORT, LATE = 0.5, 0.01     # of a step and of a stage: a table that ends so much later ends with its stage
 HEAVIER, SWINGS = 0.05, 2.0  # share of a mass that the scheme adds to it, in a load that swings so often
@@ -16,17 +16,17 @@ FINE = 1 / 27       # of a period: a step in which that is less
 TIMES = 10000       # of a stage at which a table is looked at
 
 
-def long_strides(scene, model):
+def long_increments(scene, model):
     """Bodies that are driven by more than half a cell a step, a cell on elastic soil: the soil they meet is crushed or
     passed in one increment."""
     if model.soil.held or scene.time.accuracy:
         return
-    limit = STRIDE[bool(model.soil.law.plastic)]
+    limit = PER_STEP[bool(model.soil.law.plastic)]
     otherwise = ", or set time.accuracy" if model.scheme.inertia else ""
     for described, body in zip(scene.bodies, model.bodies):
-        strides = [(stride_of(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
+        moved = [(displacement_per_step(scene, stage, described, name) / np.diff(nodes).min(), name, stage)
                    for stage in scene.stages for name, nodes in zip("xyz", model.soil.grid.lines) if len(nodes) > 1]
-        cells, name, stage = max(strides, key=lambda stride: stride[0], default=(0.0, "", None))
+        cells, name, stage = max(moved, key=lambda one: one[0], default=(0.0, "", None))
         if cells > limit * (1 + 1e-9):
             length = scene.step_of(stage)
             yield (f"{body.name} is driven by {cells:.3g} cells along {name} in each step of stage {stage.name!r}, limit "
@@ -35,7 +35,7 @@ def long_strides(scene, model):
                    f"stage.step, with more stage.steps){otherwise}")
 
 
-def stride_of(scene, stage, described, name):
+def displacement_per_step(scene, stage, described, name):
     """Largest distance [m], or angle [rad], by which a body is driven in a component in a step of a stage."""
     length = scene.step_of(stage)
     own = [motion for motion in stage.motions if motion.body in (None, described.name) and name in components(motion)]
@@ -127,4 +127,4 @@ def _shown(values):
     return f"({text})" if len(values) > 1 else text
 
 
-LIMITS = (long_strides, unreached_ends, coarse_swings)
+LIMITS = (long_increments, unreached_ends, coarse_swings)

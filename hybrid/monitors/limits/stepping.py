@@ -4,8 +4,8 @@ import numpy as np
 
 from hybrid.body.attitude import rotation_from_axis_angle
 from hybrid.contact.search import distances
-from hybrid.monitors.limits.contact import initial_pose
-from hybrid.monitors.limits.stages import stride_of
+from hybrid.monitors.limits.stages import displacement_per_step
+from hybrid.monitors.limits.start import initial_pose
 from hybrid.soil.points import extent
 
 # [rad] a step: from here on the attitude of a free body is wrong by 0.05 rad after a rotation of 10 rad (failure study)
@@ -64,7 +64,7 @@ def large_turn_about_an_axis(scene, model):
         found = [] if tumbles(spin, body) else [(np.linalg.norm(spin), scene.stages[0], "body.spin")]
         for stage in scene.stages:
             names = [f"r{axis}" for axis in "xyz"]
-            found += [(stride_of(scene, stage, described, name) / scene.step_of(stage), stage,
+            found += [(displacement_per_step(scene, stage, described, name) / scene.step_of(stage), stage,
                        f"what drives {name}") for name in names]
         rate, stage, cause = max(found, key=lambda each: each[0] * scene.step_of(each[1]),
                                  default=(0.0, None, ""))

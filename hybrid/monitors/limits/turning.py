@@ -26,9 +26,11 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 
 import numpy as np
 
-from hybrid.monitors.limits.stages import stride_of
-from hybrid.monitors.limits.loading import (CLAY, EXCESS, ON_LINE, SAND, faces, law_at, material_at, outline, smaller_cells,
-                                            top_of)
+from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
+from hybrid.monitors.limits.shape import faces
+from hybrid.monitors.limits.stages import displacement_per_step
+from hybrid.monitors.limits.start import outline, top_of
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -111,7 +113,7 @@ def _strength(material, width, length):
 def _flows(scene, described, body, axis, angle, moment):
     """Whether a body is turned by more than an `angle` [rad], or a moment of a stage in which it may turn is larger than
     `moment` [N m]."""
-    turned = sum(stage.steps * stride_of(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
+    turned = sum(stage.steps * displacement_per_step(scene, stage, described, f"r{'xy'[axis]}") for stage in scene.stages)
     return turned > angle or any(np.abs(values).max() > moment for values in _moments(scene, body, axis))
 
 
@@ -125,7 +127,7 @@ def _turns(scene, described, body, axis):
     """Whether a body is driven about an axis, or free to follow a moment of a stage about it."""
     if not body.guided[3 + axis]:
         return any(np.any(values) for values in _moments(scene, body, axis))
-    return any(stride_of(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
+    return any(displacement_per_step(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
 
 
 def _torque(body, place, axis, cell, ends):

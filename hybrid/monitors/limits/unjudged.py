@@ -8,7 +8,9 @@ leg's depth: a third more than with half the cells.
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import driven, feet, heading, loaded, narrowest, top_of
+from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.shape import feet, heading, narrowest
+from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import anywhere
 
 FEW = 4.0       # cells across the travel of a body

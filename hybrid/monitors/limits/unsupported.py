@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.monitors.limits.contact import initial_pose, initial_vertices
-from hybrid.monitors.limits.loading import leads, outline, top_of
+from hybrid.monitors.limits.shape import leads
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, top_of
 from hybrid.monitors.load_reached import components_of, held_down
 from hybrid.runtime.comm import total
 from hybrid.soil.points import extent
@@ -42,7 +42,7 @@ def soil_without_support(scene, model):
 def _supports(scene, soil, axis, side):
     """Whether a face of the grid that the soil reaches holds it along z: the lower or upper one that is not free, or a
     fixed one at a side."""
-    condition = getattr(scene.grid.faces, f"{'xyz'[axis]}_{('min', 'max')[side]}")
+    condition = scene.grid.faces.of(axis, side)
     if condition == "free" or soil.grid.collapsed[axis] or axis != 2 and condition != "fixed":
         return False
     return abs(extent(soil.constants, axis)[side] - soil.grid.extent[axis, side]) < 0.5 * soil.grid.smallest_cell
