@@ -247,8 +247,8 @@ class Simulation:
         control, model = self._control(length, begun), self.stage_model(number, starts)
         workspace.renew(model)
         if not begun:
-            ended = self.state
-            self.state = model.begin_stage(ended, before)
+            ended, pulled = self.state, number > 0 and self.scene.stages[number - 1].pull
+            self.state = model.begin_stage(ended, before, stage.pull - pulled)
             control.pushed = model.pushed(ended if number else None, self.state)
         if stage.pull:
             self.state = model.lay_out_lines(self.state)

@@ -172,16 +172,19 @@ def evaluate(body, state, pose, target, gravity, scheme, dt, time=0.0):
             body.mass.mass, body.mass.inertia, state, position, rotation, dt, scheme)
     line, tension, energy = np.zeros(6), 0.0, 0.0
     if target is not None:
-        pull = body.line
-        ends = position, rotation, pull.attachment, target, pull.length, pull.stiffness
-        tension, line, line_tangent, energy = (
-            line_force(*ends, pull.tension_only) if pull.soil is None else embedded_line_force(*ends, pull.soil))
+        tension, line, line_tangent, energy = pull_of(body.line, position, rotation, target)
         tangent = tangent + line_tangent
     load = np.zeros(6)
     if body.loads:
         load, by_rotation = guides.load_on(body.loads, rotation, time)
         tangent = tangent + by_rotation
     return BodyTrial(inertia, weight(body, rotation, gravity), line, load, tangent, tension, energy, own)
+
+
+def pull_of(line, position, rotation, target):
+    """(Tension [N], residual (6,) [N, N m], its tangent (6, 6), energy [J]) of a Line to a body at a pose."""
+    ends = position, rotation, line.attachment, target, line.length, line.stiffness
+    return line_force(*ends, line.tension_only) if line.soil is None else embedded_line_force(*ends, line.soil)
 
 
 def weight(body, rotation, gravity):

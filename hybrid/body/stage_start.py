@@ -1,4 +1,5 @@
-"""State of a body where a stage begins: loads that begin or end to act, guides that engage or release components."""
+"""State of a body where a stage begins: loads and lines that begin or end to act, guides that engage or release
+components."""
 
 from dataclasses import replace
 
@@ -8,15 +9,28 @@ from hybrid.body import guides, motion, rigid
 
 
 def begin_loads(body, state, time, scheme, gravity):
-    """`state` after the loads of another stage begin to act at a `time` [s], with so much more `gravity` (3,) [m/s²]: what
-    they change accelerates free components from the start of the next step, and guides of the others take it."""
+    """`state` after the loads of another stage begin to act at a `time` [s], with so much more `gravity` (3,) [m/s²]."""
     if not body.loads and state.load is None and not gravity.any():
         return state
     now = -guides.load_on(body.loads, state.rotation, time)[0]
     change = now - (np.zeros(6) if state.load is None else state.load) - rigid.weight(body, state.rotation, gravity)
+    return replace(_under(body, state, change, scheme), load=now if body.loads else None)
+
+
+def begin_line(body, state, change, scheme):
+    """`state` after the pull line begins to act, `change` = 1, or ceases to, -1, and the work [J] by which that changes the
+    energy of the line: what it has stored leaves with its far end."""
+    if not change or body.line is None or state.target is None:
+        return state, 0.0
+    _, residual, _, energy = rigid.pull_of(body.line, *state.pose, state.target)
+    return _under(body, state, -change * residual, scheme), change * energy
+
+
+def _under(body, state, change, scheme):
+    """`state` with a force and moment `change` (6,) [N, N m] more: free components accelerate by it from the start of the
+    next step, and guides of the others take it."""
     new = accelerated(body, state, change) if scheme.inertia else state
-    reaction = None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change)
-    return replace(new, reaction=reaction, load=now if body.loads else None)
+    return replace(new, reaction=None if state.reaction is None else state.reaction - np.where(body.free, 0.0, change))
 
 
 def release_guides(body, state):

@@ -89,10 +89,10 @@ class Model:
         return replace(self, scheme=self.scheme.with_pair(beta, gamma), bodies=bodies, loads=loads or self.loads,
                        guides=guides)
 
-    def begin_stage(self, state, before=None):
+    def begin_stage(self, state, before=None, lines=0):
         """`state` at the start of a stage of this model: guides release bodies or engage them, and loads begin to act. The
         work of the impulse that brings a body to the rates of its guides is work of the drive. before: Model of the stage
-        before, None at the start of a run."""
+        before, None at the start of a run; lines: 1 where pull lines begin to act, -1 where they cease to."""
         gravity, bodies, work = self.loads.on_bodies(state.time), [], dict(state.work)
         more = gravity - before.loads.on_bodies(state.time) if before else np.zeros(3)
         if before and before.guides:
@@ -107,6 +107,9 @@ class Model:
                 work["drive"] = work.get("drive", 0.0) + impulse_work
                 for name, done in by_component(body, rigid.impulse_work(body, free, motion)):
                     work[name] = work.get(name, 0.0) + done
+            motion, line_work = stage_start.begin_line(body, motion, lines, self.scheme)
+            if line_work:
+                work["pull"] = work.get("pull", 0.0) + line_work
             bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme, more))
         bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
         if lost:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from hybrid.body import stage_start
 from hybrid.contact import body_to_body
-from hybrid.scene import Axis, Joint, Load, Motion, Stage, Time
+from hybrid.scene import Axis, Joint, Load, Motion, Pull, Stage, Time
 from hybrid.setup.build import build
 from hybrid.step import rejection, stage_contact
 from hybrid.study.scenes import FREE, box, plane, soil_scene
@@ -297,3 +298,27 @@ def test_soil_in_the_air_falls_from_the_start_of_the_stage_that_turns_gravity_on
     assert not [note for record in records for note in record.notes]
     (first,) = build(replace(block, stages=(Stage("fall", 1),))).steps()
     assert not [note for note in first.notes if "imbalance" in note]
+
+
+def let_go_and_caught(step=0.02):
+    """(Velocity along z [m/s], energy balance's error [J]) at the ends of stages in which a block hangs on its line, falls,
+    and hangs on it again, for 10 steps each."""
+    line = Pull(point=(0.0, 0.0, 0.1), velocity=(0.0, 0.0, 0.0), stiffness=2e4, length=2.0, direction=(0.0, 0.0, 1.0))
+    block = box(0.5, 0.4, 0.2, position=(0.0, 0.0, 3.0), density=2000.0, pull=line, held=ALL[:2] + ALL[3:])
+    stages = Stage("hang", 10), Stage("fall", 10, pull=False), Stage("caught", 10)
+    simulation, ends = build(replace(plane(block, 1, step, gravity=LEVEL), stages=stages)), {}
+    for record in simulation.steps():
+        ends[record.stage] = simulation.state.bodies[0].velocity[2], record.energies["error"]
+    return ends
+
+
+def test_a_block_whose_line_is_let_go_falls_at_once(monkeypatch):
+    """With g from the start; without that, half a step late. What the line had stored goes with it, and comes back."""
+    def gained(ends):
+        return ends["fall"][0] - ends["hang"][0], ends["fall"][1] - ends["hang"][1], ends["caught"][1] - ends["fall"][1]
+
+    speed, lost, error = gained(let_go_and_caught())
+    assert speed == pytest.approx(-9.81 * 0.2, rel=0.01) and abs(lost) < 1.0 and abs(error) < 20.0
+    monkeypatch.setattr(stage_start, "begin_line", lambda body, state, *_: (state, 0.0))
+    speed, lost, error = gained(let_go_and_caught())
+    assert speed > -9.81 * 0.19 and lost < -50.0 and error > 500.0
