@@ -28,6 +28,8 @@ TAKERS = "plastic", "friction", "ghost"
 # settles on soil or contact springs, or is the shock of weight that acts at once
 SMALL = 0.01
 
+OTHERS = 0.05   # of the energy of a fall: work on bodies, since what is lost was counted from, that makes it begin afresh
+
 BACK = "more was missing before, and has come back or is little beside the work on the bodies since"
 
 
@@ -54,7 +56,9 @@ class AbsorbedImpact(Monitor):
             return
         moving, stored = motion_energy(view.model.bodies, view.state.bodies), view.work(STORED)
         work = [energy.get(name, 0.0) for name in BROUGHT]
-        if work != self._work and not self.given("absorbed"):       # what a drive has lifted falls from now on
+        brought = sum(abs(now - before) for now, before in zip(work, self._work))
+        others = brought > OTHERS * max(self._falling, least_energy(view.model))
+        if others and not self.given("absorbed"):       # what a drive has lifted falls from now on
             self._falling, self._stored, self._at_once, self._base = moving, stored, 0.0, energy["error"]
             self._error, self._work = energy["error"], work
             self._fastest, self._taken = energy["kinetic"], view.work(TAKERS)

@@ -31,10 +31,12 @@ class EnergyBalance(Monitor):
             body.mass.mass for body in model.bodies)
         # steps so far; time [s] since which the gain is above its limit, and steps for which it is
         self._steps, self._began, self._above = 0, None, 0
+        self._touched = False   # whether bodies have touched anything so far
 
     def warnings(self, view):
         """Energy, time, limit and remedy."""
         energy, scheme = view.energy, view.scheme
+        self._touched = self._touched or view.bodies_in_contact or view.touches_soil
         gain, loss = energy["error"], self._error - energy["error"]
         self._error = gain
         before, self._steps = self._largest, self._steps + 1
@@ -47,27 +49,27 @@ class EnergyBalance(Monitor):
         self._above = self._above + 1 if above else 0
         if self._above >= LASTING[scheme.inertia] and (self._steps > START or stored <= GROWTH * before):
             yield "gain", (f"energy balance: unaccounted gain of {gain:.3g} J since t = {self._began:.4g} s "
-                           f"({_share(gain, stored, GAIN)}). {_remedy(view)}")
+                           f"({_share(gain, stored, GAIN)}). {_remedy(view, self._touched)}")
         if view.keeps_energy and not view.bodies_in_contact and loss > LOSS * scale > 0:
-            yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = "
-                           f"{view.state.time:.4g} s ({_share(loss, max(stored, loss), LOSS)}). {_remedy(view)}")
+            yield "loss", (f"energy balance: unaccounted loss of {loss:.3g} J in the step to t = {view.state.time:.4g} s "
+                           f"({_share(loss, max(stored, loss), LOSS)}). {_remedy(view, self._touched)}")
 
 
 def _share(energy, stored, limit):
     return f"{energy / stored:.0%} of the largest stored energy so far, limit {limit:.0%}"
 
 
-def _remedy(view):
-    """What to change in a scene like this one."""
+def _remedy(view, touched):
+    """What to change in a scene like this one, in which bodies have `touched` something or not."""
     if not view.scheme.inertia:
         return "Use shorter load increments: more stage.steps"
     changes = ["a smaller time.step", view.finer("1e-3")]
-    if view.model.bodies:
+    if touched:
         changes.append("a lower body.penalty")
     if view.model.joints and any(body.guides for body in view.model.bodies):
         changes.append("a driven velocity that grows, [[0, 0], [T, v]], where joined bodies are set in motion at once")
     if not view.scheme.damps:
         changes.append("the default time.scheme, which damps")
-    cause = ("Contact opens and closes faster than the time step resolves" if view.model.bodies else
-             "The time step does not resolve the motion of the soil")
+    cause = ("Contact opens and closes faster than the time step resolves" if touched else
+             f"The time step does not resolve the motion of the {'bodies' if view.model.bodies else 'soil'}")
     return f"{cause}; use {', '.join(changes[:-1])}, or {changes[-1]}"

@@ -26,6 +26,7 @@ LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
+LATER = 0.2         # of the largest energy of motion so far: of less, elastic soil brakes what it has been hit by
 SURE = 2 * LOST     # of the kinetic energy, where a run ends: some of what is missing may still come back
 SHORTER = ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %"
 
@@ -123,6 +124,7 @@ class GroundImpact(ImpactLoss):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._touched = False   # whether a body has touched the ground since something happens
+        self._most = self._kinetic      # [J], largest energy of motion so far
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
@@ -130,9 +132,9 @@ class GroundImpact(ImpactLoss):
         if not soil.held and soil.law.plastic or not view.keeps_energy:
             return
         loss, found = self.follow(view)
-        self._touched |= view.touches_soil
+        self._touched, self._most = self._touched or view.touches_soil, max(self._most, self._largest)
         self._hit |= view.bodies_in_contact or near(view)
-        found = found and (soil.held or not self._hit and loss > ON_SOIL * self._largest)
+        found = found and (soil.held or not self._hit and loss > ON_SOIL * self._largest > ON_SOIL * LATER * self._most)
         if found and self._touched and self._largest > least_energy(view.model):
             yield self._message(view, loss)
         self._hit = self._quiet < QUIET and self._hit

@@ -16,13 +16,14 @@ def model(bodies=(), gravity=0.0):
 
 
 def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy=None, plastic=0.0, weight=0.0,
-            drive=0.0, pressed=0.0, joints=()):
+            drive=0.0, pressed=0.0, joints=(), touches=True):
     """Notes of steps with these errors [J] of the balance."""
     heavy = SimpleNamespace(mass=SimpleNamespace(mass=weight / 10.0))
     monitor = EnergyBalance(model((heavy,), 10.0), None)
     view = {"model": SimpleNamespace(bodies=bodies, joints=joints),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
-            "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(pairs=SimpleNamespace(energy=pressed)))}
+            "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(
+                pairs=SimpleNamespace(energy=pressed), contacts=[[1]] if touches and bodies else []))}
     kinetic = np.broadcast_to(stored, len(errors))
     rest = {"elastic": 0.0, "contact": 0.0, "plastic": plastic, "drive": drive}
     return [note for time, error in enumerate(errors) for note in monitor.notes(StepView(
@@ -83,7 +84,7 @@ def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     monitor = EnergyBalance(model((body,)), SimpleNamespace(bodies=(motion,)))
     view = StepView(SimpleNamespace(bodies=(body,), joints=()), SimpleNamespace(time=0.1),
                     SimpleNamespace(inertia=True, damps=True, first_order=False),
-                    SimpleNamespace(error=None, evaluation=SimpleNamespace(pairs=None)),
+                    SimpleNamespace(error=None, evaluation=SimpleNamespace(pairs=None, contacts=[])),
                     {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
     text, = monitor.notes(view)
     assert "loss of 60 J" in text and "(100% of" in text
@@ -102,6 +103,7 @@ FREE, DRIVEN = SimpleNamespace(guides=()), SimpleNamespace(guides=(1,))
 
 @pytest.mark.parametrize("scene, present, absent", [
     ({"bodies": (FREE,)}, ["time.accuracy = 1e-3", "body.penalty", "damps"], ["stage.steps"]),
+    ({"bodies": (FREE,), "touches": False}, ["motion of the bodies"], ["body.penalty", "Contact"]),
     ({"bodies": (FREE, DRIVEN), "joints": (1,)}, ["a driven velocity that grows"], []),
     ({"bodies": (FREE, FREE), "joints": (1,)}, ["a smaller time.step"], ["a driven velocity"]),
     ({"bodies": (FREE, DRIVEN)}, ["a smaller time.step"], ["a driven velocity"]),

@@ -11,7 +11,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Joint, Layer, Material, Motion, Pull, Time
 from hybrid.setup.build import build
 from hybrid.study.precision.problems import platen
-from hybrid.study.scenes import SCHEMES, box, plane, sphere
+from hybrid.study.scenes import SCHEMES, box, plane, soil_scene, sphere
 
 
 def texts(limit, body, step=0.01, **rest):
@@ -173,6 +173,18 @@ def test_a_light_body_that_hangs_on_a_joint_hits_nothing(height, count):
     joint = Joint("rod", "ball", (described.bodies[0].name,), (0.0, 0.0, 2.0))
     simulation = build(replace(described, joints=(joint,)))
     assert len(list(contact.light_body(simulation.scene, simulation.model))) == count
+
+
+def test_a_light_body_on_another_one_hits_that():
+    """The upper one of two on a block, and the same one beside it."""
+    found = []
+    for x in (0.0, 1.0):
+        upper = box(0.4, 0.4, 0.2, density=300.0, name="upper", position=(x, 0.0, 0.0), rest_on=0.6)
+        lower = box(0.5, 0.5, 0.6, density=3000.0, name="lower", position=(0.0, 0.0, 0.0), rest_on=0.0)
+        described = soil_scene([lower, upper], x=(-2.0, 2.0), y=(-1.0, 1.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+        simulation = build(described)
+        found.append([text[:5] for text in contact.light_body(simulation.scene, simulation.model)])
+    assert found == [[], ["upper"]]
 
 
 @pytest.mark.parametrize("density, count", [(760.0, 0), (740.0, 1)])

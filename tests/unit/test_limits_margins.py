@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from hybrid.monitors.limits.margins import covered, narrow_margins, no_room_above
+from hybrid.monitors.limits.margins import covered, narrow_ahead, narrow_margins, no_room_above
 from hybrid.scene import Axis, Faces, Load, Material, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, soil_scene
@@ -89,3 +89,38 @@ def test_soil_that_fills_the_grid_has_no_room_to_heave():
     assert not texts(**given | {"above": 1}) and not texts(**given, faces={"z_max": "fixed"})
     assert not texts(**given | {"velocity": (0.0, 0.0, -0.5)})
     assert not texts(**given, depth=1.2, position=(0.0, 0.1, -0.7), rest_on=None)       # deep in the soil
+
+
+def test_a_window_is_an_end_of_the_soil_as_any_other():
+    """0.04 m beside the strip, a tenth of its width, and none at all."""
+    strip = box(0.4, 0.2, 0.2, name="strip", position=(0.0, 0.1, 0.0), rest_on=0.0, **DOWN)
+    found = []
+    for window in ((0.04, 0.04), (0.4, 0.4), (0.0, 0.0)):
+        x = Axis(-1.0, 1.0, 0.02, window=window, doublings=1)
+        scene = soil_scene([strip], x=x, y=collapsed(0.2), z=Axis(-0.4, 0.3, 0.05), faces=Faces(z_min="fixed"))
+        simulation = build(replace(scene, soil=replace(scene.soil, material=CLAY, geostatic=True)))
+        found.append([text for limit in (narrow_margins, covered) for text in limit(simulation.scene, simulation.model)])
+    assert "the end of its window" in found[0][0] and "Widen grid.x.window" in found[0][0] and not found[1]
+    assert any("widen grid.x.window, unless compression" in text for text in found[2])
+
+
+def pushed(x, material=CLAY, z=-0.4, window=None, **body):
+    """Texts about a blade 0.1 m thick, which reaches 0.2 m deep and is pushed 0.1 m along x from x = 0.05 m."""
+    blade = box(0.1, 0.2, 0.3, name="blade", position=(0.0, 0.1, -0.05), driven=("x",), velocity=(1.0, 0.0, 0.0),
+                held=("z", "ry"), **body)
+    axis = Axis(*x, 0.05, window=window, doublings=1) if window else Axis(*x, 0.05)
+    scene = soil_scene([blade], x=axis, y=collapsed(0.2), z=Axis(z, 0.3, 0.05), faces=Faces(z_min="fixed"), steps=10)
+    soil = replace(scene.soil, material=material, geostatic=True)
+    simulation = build(replace(scene, soil=soil, gravity=(0.0, 0.0, -9.81)))
+    return list(narrow_ahead(simulation.scene, simulation.model))
+
+
+def test_soil_that_ends_ahead_of_a_blade_is_told_for_the_end_of_its_way():
+    sand = Material(law="drucker-prager", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0,
+                    dilation_angle=0.0, cohesion=0.0)
+    text, = pushed((-1.0, 0.3))
+    assert "ends 0.15 m ahead of it at x = 0.3 m, 0.75 heights, limit 1" in text and "Move the end of grid.x" in text
+    assert not pushed((-1.0, 0.4)) and "1.3 heights, limit 1.7" in pushed((-1.0, 0.4), sand)[0]
+    assert not pushed((-0.1, 1.0)) and not pushed((-1.0, 0.3), z=-0.2)      # behind it; a piston
+    assert "window, 0.5 heights" in pushed((-1.0, 1.0), window=(0.3, 0.1))[0]
+    assert not pushed((-1.0, 1.0), window=(0.1, 0.3))

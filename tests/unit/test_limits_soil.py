@@ -1,6 +1,7 @@
 """Limits of soil: each warns where the failure study saw the default fail, and not on the safe side of it."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hybrid.monitors.limits import soil, stepping
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.failure.registry import MODES
+from hybrid.study.scenes import box, soil_scene
 
 
 ROLLERS = {"y_min": "roller", "y_max": "roller", "x_min": "fixed"}
@@ -112,6 +114,7 @@ def test_softening_is_reported():
     assert re.search(MODES["softening"].message, text) and "slip of 0.17 m in cells of 1 m" in text
     assert not warned(soil.softening, {**clay, "hardening": 1e5}, geostatic=False)
     assert not warned(soil.softening, clay, geostatic=False) and not warned(soil.softening)
+    assert "slips along" not in text
     layer = Layer("peat", top=1.0, material={"hardening": -1e4, "residual_strength": 1e3})
     assert warned(soil.softening, clay, geostatic=False, layers=(layer,))
 
@@ -177,3 +180,14 @@ def test_a_slope_of_sand_that_slides_along_a_plane_is_reported():
     (text,) = of(33.0)
     assert "falls by 33 degrees" in text and "from 29.8 degrees on" in text
     assert not of(28.0) and not of(33.0, dilation=35.0) and not of(33.0, cohesion=5e3) and not of(33.0, x=1.0)
+
+
+def test_softening_does_not_reach_clay_that_slips_along_a_body():
+    clay = Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=1e4, hardening=-2e4,
+                    residual_strength=4e3)
+    for values, words in (({"adhesion": 1.0}, ["along box and", "body.adhesion times 0.4,"]), ({}, [])):
+        block = box(1.0, 1.0, 0.5, name="box", rest_on=0.0, driven=("x",), velocity=(0.1, 0.0, 0.0), **values)
+        described = soil_scene([block], time=Time(1.0, inertia=False))
+        simulation = build(replace(described, soil=replace(described.soil, material=clay)))
+        text, = soil.softening(simulation.scene, simulation.model)
+        assert all(word in text for word in words) and ("slips along" in text) == bool(words)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.bench.scenes import block
-from hybrid.monitors.limits.place import LIMITS, odd_places, odd_points
+from hybrid.monitors.limits.place import LIMITS, beside_roller, odd_places, odd_points
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Joint, Load, Motion, Pull, Stage, Time
@@ -145,6 +145,16 @@ def places(**body):
 def test_a_place_that_looks_wrong_gives_a_note(body, words):
     found = places(**body)
     assert len(found) == bool(words) and all(words in note for note in found), found
+
+
+@pytest.mark.parametrize("stages, found", [
+    ((Stage("one", 1, held=("x",)),), 0), ((Stage("one", 1, held=("x",)), Stage("two", 1)), 1),
+    ((Stage("one", 1, motions=(Motion(held=("x", "ry")),)),), 0)])
+def test_a_body_beside_a_roller_may_leave_it_only_where_a_stage_lets_it(stages, found):
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(1.9, 1.0, 0.0), rest_on=0.0)
+    described = soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+    simulation = build(replace(described, stages=stages))
+    assert len(list(beside_roller(simulation.scene, simulation.model))) == found
 
 
 @pytest.mark.parametrize("body, words", [

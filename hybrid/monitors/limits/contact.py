@@ -179,8 +179,10 @@ def light_body(scene, model):
     if soil.held or not model.scheme.inertia:
         return
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
-    joined = scene.joined
-    for described, body in zip(scene.bodies, model.bodies):
+    joined, places = scene.joined, [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
+    for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
+        if any(_stands_on(places[i], other) for other in places):
+            continue
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]
         above = height.min() >= top_of(soil) + (body.name in joined) * grid.smallest_cell
@@ -196,6 +198,13 @@ def light_body(scene, model):
                    "it hits the soil it rebounds from the nodes instead of being stopped by a wave. Use a cell size of "
                    f"at most {grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = "
                    "false")
+
+
+def _stands_on(place, other):
+    """Whether a body with its vertices at `place` (V, 3) [m] is above another one, and over it."""
+    (low, high), (start, end) = ((each.min(axis=0), each.max(axis=0)) for each in (place, other))
+    slack = FLUSH * (high[2] - low[2])
+    return low[2] > end[2] - slack and (low < end)[:2].all() and (high > start)[:2].all()
 
 
 def driven_past_grid_end(scene, model):

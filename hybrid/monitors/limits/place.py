@@ -33,11 +33,13 @@ def odd_places(scene, model):
 def beside_roller(scene, model):
     """Free bodies that end on one roller of the soil, as parts of bodies do in other programs, but are whole ones here."""
     soil, joined = model.soil, scene.joined
-    for described, body in zip(scene.bodies, model.bodies):
+    stages = [model.for_stage(stage.held, number=number) for number, stage in enumerate(scene.stages)]
+    for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         if soil.held or body.name in joined:
             continue
         place = initial_vertices(described, body)       # one that is cut there is held, it cannot leave the plane
-        for a in np.flatnonzero(~soil.grid.collapsed[:2] & body.free[:2] & ~body.driven[:2]):
+        free = np.any([stage.bodies[i].free & ~stage.bodies[i].driven for stage in stages], axis=0)
+        for a in np.flatnonzero(~soil.grid.collapsed[:2] & free[:2]):
             ends, found = soil.grid.extent[a], np.array([place[:, a].min(), place[:, a].max()])
             at = np.flatnonzero(np.abs(found - ends) < FLUSH * soil.grid.smallest_cell)
             if len(at) == 1 and scene.grid.faces.of(a, at[0]) == "roller":

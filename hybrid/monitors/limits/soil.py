@@ -113,7 +113,16 @@ def softening(scene, model):
     yield (f"soil.material.hardening = {modulus:g} Pa: softening (limit 0) localises in bands one cell wide: the "
            f"strength is lost after a slip of {slip:.2g} m in cells of {cell:g} m, "
            "and after half of that in cells half as large. Choose hardening for this size of cells, and change it in "
-           "proportion to that size")
+           f"proportion to that size{_along_bodies(model, residual / strength)}")
+
+
+def _along_bodies(model, residual):
+    """What softening does not reach: strength along bodies that rub, of which a share is `residual` in the end."""
+    names = [body.name for body in model.bodies if body.friction or body.interface and body.interface.adhesion]
+    if not names:
+        return ""
+    return (f". Where clay slips along {', '.join(names)} and does not yield beside it, it keeps the strength that it has "
+            f"at the start: for a long slip give body.adhesion times {residual:.2g}, the residual share")
 
 
 def strong_cone(scene, model):
