@@ -30,7 +30,8 @@ CREEP = 1e-9        # of sticking friction
 IMPLIED = 1e-8      # share of a row that others leave over, below which it is implied by them
 DRIVEN = 1e-12      # [rad] of a hinge in an increment, from which guides turn it
 EXACT = 1e-3        # a tolerance of 1e-4 means 1e-7 radii, or rad
-RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ
+RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ, or to the force s φ of this error,
+FINE = 1e-4         # so that a rope which goes slack is released by 1e-50 N too
 
 
 @dataclass(frozen=True)
@@ -122,10 +123,11 @@ class JointTerms:
 
     def error(self):
         """Largest error, relative to what `solver.tolerance` = 1 would allow."""
-        missed = self.residual() / (self.step.scale * self.step.length * EXACT)
-        missed = np.abs(np.where(self.active, missed, 0.0)).max(initial=0.0)
+        allowed = self.step.scale * self.step.length * EXACT
+        missed = np.abs(np.where(self.active, self.residual() / allowed, 0.0)).max(initial=0.0)
         beyond = np.abs(self.multipliers - self.target).max(initial=0.0)
-        return max(missed, 1.0 if beyond > RELEASED * np.abs(self.multipliers).max(initial=0.0) else 0.0)
+        largest = np.maximum(np.abs(self.multipliers), FINE * allowed).max(initial=0.0)
+        return max(missed, 1.0 if beyond > RELEASED * largest else 0.0)
 
     def add_tangent(self, ww):
         """Add the joints to the bodies' block (m + n, m + n)."""
