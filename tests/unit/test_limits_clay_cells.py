@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hybrid.monitors.limits import clay_cells
-from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil, Stage, Time
+from hybrid.scene import Axis, Faces, Grid, Joint, Layer, Load, Material, Motion, Pull, Soil, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study import plasticity
 from hybrid.study.random.fresh.problem import body, scene, slice_
@@ -237,8 +237,8 @@ def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells
 
 
 def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, height=0.5, stages=None,
-           **table):
-    """Warnings about a half of a strip under so much clay, on cells of 0.25 m."""
+           joint=None, **table):
+    """Warnings about a half of a strip under so much clay, on cells of 0.25 m; joint: its kind, to a driven body above."""
     moves = {"driven": ("z",), "velocity": (0.0, 0.0, speed)} | table
     plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": height, "size": 20.0},
                  position=(0.0, 0.5, -depth - 0.5 * height), **moves)
@@ -246,6 +246,12 @@ def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength
     clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=strength,
                          strength_gradient=strength_gradient), top=0.0, geostatic=False)
     described = scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity))
+    if joint:
+        ends = {"kind": joint, "point": (0.0, 0.0, 0.5 * height), "end": (0.0, 0.0, -0.2)}
+        tug = body("box.geo", {"length": 0.4, "width": 1.0, "height": 0.4, "size": 20.0}, name="tug", held=("x", "ry"),
+                   position=(0.0, 0.5, 2.0))
+        stages = (Stage("lift", 10, motions=(Motion(body="tug", component="z", velocity=speed),)),)
+        described = replace(described, bodies=(plate, tug), joints=(Joint("rope", bodies=(plate.name, "tug"), **ends),))
     simulation = build(replace(described, stages=stages or described.stages))
     return list(clay_cells.lifted_plates(simulation.scene, simulation.model))
 
@@ -263,12 +269,22 @@ def test_a_plate_lifted_out_of_clay_on_few_cells():
     assert not lifted(height=0.25) and lifted(height=0.3)       # soil on both sides of it shares nodes, which is told
 
 
+FREE = {"driven": (), "velocity": (0.0, 0.0, 0.0), "held": ("x", "ry")}
+
+
+def test_a_plate_that_a_line_or_a_rope_lifts_is_judged_as_a_driven_one():
+    def drawn(*velocity):
+        return lifted(pull=Pull((0.0, 0.0, 0.25), velocity, 1e6, 3.0), **FREE)
+
+    assert drawn(0.0, 0.0, 0.01) == lifted() == lifted(joint="line", **FREE) == lifted(joint="rod", **FREE)
+    assert not drawn(0.01, 0.0, 0.0) and not lifted(joint="rod", speed=-0.01, **FREE)
+
+
 @pytest.mark.parametrize("force, told", [(0.9, False), (1.2, True)])
 def test_a_force_below_its_weight_lifts_no_plate(force, told):
     """Half of a plate of 2 x 1 x 0.5 m of steel."""
     load = Stage("lift", 1, loads=(Load(force=(0.0, 0.0, force * 7850 * 0.5 * 9.81)),))
-    free = {"driven": (), "velocity": (0.0, 0.0, 0.0), "held": ("x", "ry"), "density": 7850.0}
-    assert bool(lifted(gravity=-9.81, stages=(load,), **free)) == told
+    assert bool(lifted(gravity=-9.81, stages=(load,), density=7850.0, **FREE)) == told
 
 
 def balls(cells, depth=3.0, velocity=(0.0, 0.0, -0.01), **shape):

@@ -19,21 +19,35 @@ AT_POINT = "hinge", "ball", "weld"
 
 def driven(scene, model):
     """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
-    travel of each body that is driven, or welded to one that is, and gets to the soil."""
+    travel of each body that is driven, welded to one that is, or drawn or pressed upright by a pull line, a rope or a rod,
+    and gets to the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        movers = [number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})]
-        ways = [(travels_of(scene, scene.bodies[i], model.soil.grid.collapsed), model.bodies[i].guided) for i in movers]
-        travels, guided = next((way for way in ways if way[0]), ((), None))
-        if not travels:
-            continue
-        whole, place = outline(described, body, model.soil)
+        travels = _travels(scene, model, number)
+        whole, place = outline(described, body, model.soil) if travels else (None, None)
         for start, travel in travels:
-            if guided[:3][travel != 0.0].all() and _gets_to(model.soil, place + start, travel):
+            if _gets_to(model.soil, place + start, travel):
                 straight = _straight(whole, place, travel)
                 lower = np.array([0.0, 0.0, min(travel[2] - straight[2], 0.0)])     # it goes forwards as deep as in the end
                 yield whole, straight, place + start + lower, leads(whole, place, straight)
+
+
+def _travels(scene, model, number):
+    """[(start, travel)] (3,) [m] of a body that is driven, or moved by joints and lines."""
+    def of(i):
+        return travels_of(scene, scene.bodies[i], model.soil.grid.collapsed)
+
+    for i in (number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})):
+        if travels := of(i):
+            line = scene.bodies[i].pull is not None
+            return [way for way in travels if model.bodies[i].guided[:3][way[1] != 0.0].all() or line and _upright(way[1])]
+    ends = sorted(bodies_joined_to(scene, number, ("rod", "line")) - {None})
+    return next(([way for way in of(i) if _upright(way[1])] for i in ends if model.bodies[i].guided[2]), [])
+
+
+def _upright(travel):
+    return abs(travel[2]) > PLANE * np.linalg.norm(travel)
 
 
 def _gets_to(soil, place, travel):
