@@ -205,7 +205,7 @@ def test_a_pile_in_plan_is_deep_in_clay():
     grid = Grid(across, across, Axis(start=0.0, end=1.0, collapsed=True))
     simulation = build(scene("pile", grid, clay, [pile], Time(1.0, inertia=False), 10, (0.0, 0.0, 0.0)))
     text, = clay_cells.flow_around(simulation.scene, simulation.model)
-    assert "is round and 4 cells of 0.25 m wide" in text and "about 56%" in text
+    assert "is round and 4 cells of 0.25 m wide" in text and "about 59%" in text
 
 
 @pytest.mark.parametrize("factor, measured", [(clay_cells.AROUND, {4: 0.183, 6: 0.085, 8: 0.051, 12: 0.029, 16: 0.018}),
@@ -226,7 +226,10 @@ def test_a_cylinder_that_clay_stays_attached_to_is_judged_by_its_own_law():
     buried = plasticity.buried(5, adhesion=1.0)
     simulation = build(replace(buried, bodies=(replace(buried.bodies[0], tension="full"),)))
     text, = clay_cells.flow_around(simulation.scene, simulation.model)
-    assert "about 16% too high" in text
+    assert "about 17% too high" in text
+    far = replace(buried.bodies[0], tension="full", velocity=tuple(30.0 * np.array(buried.bodies[0].velocity)))
+    simulation = build(replace(buried, bodies=(far,)))
+    assert "about 40% too high" in list(clay_cells.flow_around(simulation.scene, simulation.model))[0]
 
 
 @pytest.mark.parametrize("number, cells, found", [
