@@ -36,7 +36,7 @@ class Axis:
         "(below, above): soil farther than this from that box is left out; along z no soil above the body is left out. "
         "Ahead of a body that is pushed through soil at least its height there, twice that in sand", "m", default=None)
     doublings: int = key(
-        "largest number of doublings of the cells, with `around`; windows, and the axis with a window, end at multiples of the "
+        "largest number of doublings of the cells, with `around`; windows, and the axis with one, end at multiples of the "
         "widest cells, also without `around`", "-", default=3, at_least=1, at_most=8, remedy="3 is usual")
 
     @property
