@@ -8,7 +8,7 @@ from hybrid.body.smooth import area_vectors
 from hybrid.body.symmetry import copies
 from hybrid.contact.interface import RAMP
 from hybrid.contact.search import distances
-from hybrid.monitors.limits.start import covers, initial_vertices, levelled, top_of
+from hybrid.monitors.limits.start import covers, initial_vertices, levelled, stands_on, top_of
 from hybrid.runtime.comm import anywhere, minimum, total
 from hybrid.scene.soil import clay_layers, laws
 from hybrid.soil.points import extent
@@ -181,7 +181,7 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     joined, places = scene.joined, [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        if any(_stands_on(places[i], other) for other in places):
+        if any(stands_on(places[i], other) for other in places):
             continue
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]
@@ -198,13 +198,6 @@ def light_body(scene, model):
                    "it hits the soil it rebounds from the nodes instead of being stopped by a wave. Use a cell size of "
                    f"at most {grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = "
                    "false")
-
-
-def _stands_on(place, other):
-    """Whether a body with its vertices at `place` (V, 3) [m] is above another one, and over it."""
-    (low, high), (start, end) = ((each.min(axis=0), each.max(axis=0)) for each in (place, other))
-    slack = FLUSH * (high[2] - low[2])
-    return low[2] > end[2] - slack and (low < end)[:2].all() and (high > start)[:2].all()
 
 
 def driven_past_grid_end(scene, model):

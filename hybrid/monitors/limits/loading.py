@@ -7,7 +7,7 @@ from hybrid.body.paths import path_along
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.materials import material_at
 from hybrid.monitors.limits.shape import PLANE, leading_normal, leads
-from hybrid.monitors.limits.start import initial_pose, outline, top_of
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, stands_on, top_of
 
 # Cosine between a travel and the normal of the plane face that leads: a plate moved at 11° to its normal bears 3 % less
 ASKEW = 0.75
@@ -19,8 +19,8 @@ AT_POINT = "hinge", "ball", "weld"
 
 def driven(scene, model):
     """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
-    travel of each body that is driven, welded to one that is, or drawn or pressed upright by a pull line, a rope or a rod,
-    and gets to the soil."""
+    travel of each body that is driven, welded to one that is, drawn or pressed upright by a pull line, a rope or a rod, or
+    pressed down by one that stands on it, and gets to the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -38,12 +38,17 @@ def _travels(scene, model, number):
     def of(i):
         return travels_of(scene, scene.bodies[i], model.soil.grid.collapsed)
 
+    def upright(i):
+        return [way for way in of(i) if model.bodies[i].guided[2] and _upright(way[1])]
+
     for i in (number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})):
         if travels := of(i):
             line = scene.bodies[i].pull is not None
             return [way for way in travels if model.bodies[i].guided[:3][way[1] != 0.0].all() or line and _upright(way[1])]
-    ends = sorted(bodies_joined_to(scene, number, ("rod", "line")) - {None})
-    return next(([way for way in of(i) if _upright(way[1])] for i in ends if model.bodies[i].guided[2]), [])
+    places = [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
+    drawn = [way for i in sorted(bodies_joined_to(scene, number, ("rod", "line")) - {None}) for way in upright(i)]
+    return drawn or [way for i, place in enumerate(places) if stands_on(place, places[number])
+                     for way in upright(i) if way[1][2] < 0.0]
 
 
 def _upright(travel):

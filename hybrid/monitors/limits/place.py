@@ -11,6 +11,7 @@ HIGH = 10.0         # sizes of a body above the soil,
 DEEPER = 2.0        # and depths of the grid
 LARGER = 5.0        # times the grid
 ROUND_OFF = 0.01    # of the size of a body
+TINY = 0.5          # of the smallest cell, of a body whose geometry is scaled
 FLUSH = 0.01        # of the smallest cell: a body that reaches less far past the end of the grid ends there
 AWAY = 1.0          # sizes of a body that the points of its pull, loads and motions may lie outside its bounding box,
 AWAY_JOINED = 10.0  # and those of its joints: a hinge may stand for the arm of a pendulum
@@ -24,10 +25,19 @@ def odd_places(scene, model):
         if not _meets(scene, described):        # a body in empty space is meant
             continue
         place = initial_vertices(described, body, body.outline)     # rounded edges may reach beyond a cut face
-        text = (_place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid, body.name in scene.joined)
+        text = (_scaled(described, np.ptp(place, axis=0).max(), model.soil.grid.smallest_cell)
+                or _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid, body.name in scene.joined)
                 or _crossing(model.soil, body, place, scene.grid))
         if text:
             yield f"{body.name} {text}"
+
+
+def _scaled(described, size, cell):
+    """What looks wrong about a body of this `size` [m] whose geometry is scaled; "" if nothing."""
+    if described.scale >= 1.0 or size > TINY * cell:
+        return ""
+    return (f"is {size:.3g} m long, less than {TINY:g} of a cell, with body.scale = {described.scale:g}: STEP files are "
+            "read in metres whatever their unit, unlike STL. Leave body.scale out, or check it")
 
 
 def beside_roller(scene, model):

@@ -10,6 +10,7 @@ from hybrid.soil.given_ground import STEEPEST
 from hybrid.soil.points import extent
 
 STEEP = 1.5     # cells: a lower step of the ground is a slope
+FLUSH = 1e-3    # of the height of a body, by which it may overlap another one that it stands on
 RIM = 0.15      # cells that a lid may leave uncovered: contact sees its edges there as on the lines of the grid
 
 
@@ -41,6 +42,12 @@ def initial_vertices(described, body, surface=None):
     """Vertices (V, 3) [m] of a body's surface of contact, or of another `surface` of it, at its initial pose."""
     centre, rotation = initial_pose(described, body)
     return centre + (surface or body.surface).vertices @ rotation.T
+
+
+def stands_on(place, other):
+    """Whether a body with its vertices at `place` (V, 3) [m] is above another one, and over it."""
+    (low, high), (start, end) = ((each.min(axis=0), each.max(axis=0)) for each in (place, other))
+    return low[2] > end[2] - FLUSH * (high[2] - low[2]) and (low < end)[:2].all() and (high > start)[:2].all()
 
 
 def initial_pose(described, body):
