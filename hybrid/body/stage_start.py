@@ -48,13 +48,13 @@ def engage_guides(body, state, gravity, scheme, joined=False):
     """`state` after guides engage a body, and the work [J] of the impulse that brings it to their rates.
 
     A reaction that is not known yet, as at the start of a run, is set to what balances weight and inertia. Of a joined
-    body it stays unknown, as joints bear a part.
+    body it stays unknown where there are any, as joints bear a part.
     """
     if body.free.all():
         return state, 0.0
     new = rigid.impose_guide_rates(body, state)
     impulse_work = rigid.kinetic_energy(body, new) - rigid.kinetic_energy(body, state) if scheme.inertia else 0.0
-    if state.reaction is None and not joined:
+    if state.reaction is None and not (joined and (scheme.inertia or gravity.any())):
         rates = np.zeros(6)
         if scheme.inertia:
             rates = np.concatenate([body.mass.mass * new.acceleration,

@@ -168,7 +168,7 @@ def with_nodes_at(model, lines):
         grid = replace(old, axes=lines)
     else:
         grid = block_of(replace(old, lines=lines), old.boxes, old.rank, old.fullest, old.layers)
-    vars(grid).update(smallest_cell=old.smallest_cell)      # what goes by it stays as it is
+    vars(grid).update(smallest_cell=old.smallest_cell, resolution=old.resolution)   # what goes by them stays as it is
     return model.with_soil(replace(model.soil, grid=grid))
 
 

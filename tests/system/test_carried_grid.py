@@ -97,7 +97,8 @@ def test_a_body_lies_in_its_cells_at_the_end_of_each_step_as_at_the_start(scene)
         next(steps)
         assert (place() - start + 0.5) % 1.0 - 0.5 == pytest.approx(0.0, abs=1e-6)
     after = simulation.model.soil.grid
-    assert after.smallest_cell == before.smallest_cell and np.diff(after.lines[2]).min() < 0.99 * before.smallest_cell
+    assert (after.smallest_cell, after.resolution) == (before.smallest_cell, before.resolution)
+    assert np.diff(after.lines[2]).min() < 0.99 * before.smallest_cell
     steps.close()
 
 

@@ -109,6 +109,15 @@ def test_guides_impose_their_rates_and_their_impulse_does_work():
     assert kept is state and none == 0.0
 
 
+@pytest.mark.parametrize("gravity, scheme, known", [
+    (np.zeros(3), STATIC, True), (GRAVITY, STATIC, False), (np.zeros(3), NEWMARK, False)])
+def test_the_reaction_of_a_joined_body_is_known_where_it_neither_weighs_nor_accelerates(gravity, scheme, known):
+    """Else the work of its first step counted the force at the end over all of it."""
+    body, still = body_of(np.array([1, 1, 0, 1, 1, 0], bool)), state_of(velocity=np.zeros(3), spin=np.zeros(3))
+    new, _ = stage_start.engage_guides(body, still, gravity, scheme, joined=True)
+    assert (new.reaction is not None) == known and (not known or not new.reaction.any())
+
+
 def test_released_reaction_accelerates_the_body():
     """Held against its weight, and by a moment about the vertical: free, it falls with g and starts to turn."""
     reaction = np.array([0.0, 0.0, 12.0 * 9.81, 0.0, 0.0, 0.7])
