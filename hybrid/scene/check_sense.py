@@ -159,7 +159,7 @@ def _body(path, body, heavy):
     for key, velocity in moving:
         if hypot(*velocity) > FASTEST:
             yield f"{path}.{key} = {shown(velocity)} m/s looks wrong: {MILLIMETRES[:-1]} a second?"
-    if body.pull is not None and body.pull.direction is not None:
+    if body.pull is not None and body.pull.direction is not None and body.pull.tension_only:
         along = sum(a * b for a, b in zip(body.pull.direction, body.pull.velocity))
         if along < 0:
             yield (f"{path}.pull.direction = {shown(body.pull.direction)} looks wrong: it points away from where the "

@@ -240,7 +240,7 @@ def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells
 
 
 def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, height=0.5, stages=None,
-           joint=None, **table):
+           joint=None, slack=0.0, **table):
     """Warnings about a half of a strip under so much clay, on cells of 0.25 m; joint: its kind, to a driven body above."""
     moves = {"driven": ("z",), "velocity": (0.0, 0.0, speed)} | table
     plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": height, "size": 20.0},
@@ -251,6 +251,7 @@ def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength
     described = scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity))
     if joint:
         ends = {"kind": joint, "point": (0.0, 0.0, 0.5 * height), "end": (0.0, 0.0, -0.2)}
+        ends |= {"length": 1.8 + depth + slack} if slack else {}
         tug = body("box.geo", {"length": 0.4, "width": 1.0, "height": 0.4, "size": 20.0}, name="tug", held=("x", "ry"),
                    position=(0.0, 0.5, 2.0))
         stages = (Stage("lift", 10, motions=(Motion(body="tug", component="z", velocity=speed),)),)
@@ -280,7 +281,8 @@ def test_a_plate_that_a_line_or_a_rope_lifts_is_judged_as_a_driven_one():
         return lifted(pull=Pull((0.0, 0.0, 0.25), velocity, 1e6, 3.0), **FREE)
 
     assert drawn(0.0, 0.0, 0.01) == lifted() == lifted(joint="line", **FREE) == lifted(joint="rod", **FREE)
-    assert not drawn(0.01, 0.0, 0.0) and not lifted(joint="rod", speed=-0.01, **FREE)
+    assert not drawn(0.01, 0.0, 0.0) and not drawn(0.0, 0.0, -0.01) and not lifted(joint="rod", speed=-0.01, **FREE)
+    assert not lifted(joint="line", slack=0.2, **FREE) and lifted(joint="line", slack=0.05, **FREE)
 
 
 @pytest.mark.parametrize("force, told", [(0.9, False), (1.2, True)])

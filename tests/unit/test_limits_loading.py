@@ -199,16 +199,16 @@ def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end(
 
 
 def test_a_body_on_which_a_driven_one_stands_is_judged_as_if_it_were_driven():
-    """And not where that one is lifted, or stands beside it."""
+    """And not where that one is lifted, stands beside it, or does not reach it."""
     found = []
-    for x, speed in ((0.0, -0.05), (0.0, 0.05), (3.0, -0.05)):
+    for x, speed, gap in ((0.0, -0.05, 0.0), (0.0, 0.05, 0.0), (3.0, -0.05, 0.0), (0.0, -0.05, 0.3), (0.0, -0.05, 0.1)):
         strip = described(Stage("press", 4), material=CLAY, size=(1.0, 1.0), z=0.5)
         (lower,) = strip.bodies
-        upper = replace(lower, name="upper", position=(lower.position[0] + x, *lower.position[1:2], lower.position[2] + 1.0),
-                        driven=("z",), velocity=(0.0, 0.0, speed))
+        upper = replace(lower, name="upper", position=tuple(np.add(lower.position, (x, 0.0, 1.0 + gap))), driven=("z",),
+                        velocity=(0.0, 0.0, speed))
         simulation = build(replace(strip, bodies=(lower, upper)))
         found.append([body.name for body, *_ in driven(simulation.scene, simulation.model)])
-    assert found == [[lower.name], [], []]
+    assert found == [[lower.name], [], [], [], [lower.name]]
 
 
 def test_a_body_welded_to_one_that_is_driven_is_judged_as_that_one_is():

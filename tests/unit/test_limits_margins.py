@@ -104,13 +104,13 @@ def test_a_window_is_an_end_of_the_soil_as_any_other():
     assert any("widen grid.x.window, unless compression" in text for text in found[2])
 
 
-def pushed(x, material=CLAY, z=-0.4, window=None, **body):
+def pushed(x, material=CLAY, z=-0.4, window=None, height=0.3, at=-0.05, ground=None):
     """Texts about a blade 0.1 m thick, which reaches 0.2 m deep and is pushed 0.1 m along x from x = 0.05 m."""
-    blade = box(0.1, 0.2, 0.3, name="blade", position=(0.0, 0.1, -0.05), driven=("x",), velocity=(1.0, 0.0, 0.0),
-                held=("z", "ry"), **body)
+    blade = box(0.1, 0.2, height, name="blade", position=(0.0, 0.1, at), driven=("x",), velocity=(1.0, 0.0, 0.0),
+                held=("z", "ry"))
     axis = Axis(*x, 0.05, window=window, doublings=1) if window else Axis(*x, 0.05)
     scene = soil_scene([blade], x=axis, y=collapsed(0.2), z=Axis(z, 0.3, 0.05), faces=Faces(z_min="fixed"), steps=10)
-    soil = replace(scene.soil, material=material, geostatic=True)
+    soil = replace(scene.soil, material=material, geostatic=True, ground=ground, top=None if ground else 0.0)
     simulation = build(replace(scene, soil=soil, gravity=(0.0, 0.0, -9.81)))
     return list(narrow_ahead(simulation.scene, simulation.model))
 
@@ -119,8 +119,15 @@ def test_soil_that_ends_ahead_of_a_blade_is_told_for_the_end_of_its_way():
     sand = Material(law="drucker-prager", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0,
                     dilation_angle=0.0, cohesion=0.0)
     text, = pushed((-1.0, 0.3))
-    assert "ends 0.15 m ahead of it at x = 0.3 m, 0.75 heights, limit 1" in text and "Move the end of grid.x" in text
-    assert not pushed((-1.0, 0.4)) and "1.3 heights, limit 1.7" in pushed((-1.0, 0.4), sand)[0]
+    assert "ends 0.15 m ahead of it at x = 0.3 m, 0.75 of that, limit 1" in text and "Move the end of grid.x" in text
+    assert not pushed((-1.0, 0.4)) and "1.3 of that, limit 1.7" in pushed((-1.0, 0.4), sand)[0]
     assert not pushed((-0.1, 1.0)) and not pushed((-1.0, 0.3), z=-0.2)      # behind it; a piston
-    assert "window, 0.5 heights" in pushed((-1.0, 1.0), window=(0.3, 0.1))[0]
-    assert not pushed((-1.0, 1.0), window=(0.1, 0.3))
+    assert "window, 0.5 of that" in pushed((-1.0, 1.0), window=(0.3, 0.1))[0]
+    assert not pushed((-1.0, 1.0), window=(0.1, 0.3)) and "x = 0.3 m" in pushed((-1.0, 0.3), window=(0.3, 0.3))[0]
+    assert not pushed((-1.0, 0.3), ground=((-1.0, 0.0), (0.05, 0.0), (0.05, -0.2), (0.3, -0.2)))     # over an empty pit
+
+
+def test_soil_that_ends_beside_what_it_covers_is_told_on_both_sides():
+    text, = pushed((-0.1, 1.0), height=0.1, z=-0.8, at=-0.4)
+    assert "0.1 m of it high, which ends 0.05 m behind it at x = -0.1 m" in text and "4 % too low" in text
+    assert not pushed((-0.25, 1.0), height=0.1, z=-0.8, at=-0.4)

@@ -185,9 +185,12 @@ def test_a_slope_of_sand_that_slides_along_a_plane_is_reported():
 def test_softening_does_not_reach_clay_that_slips_along_a_body():
     clay = Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=1e4, hardening=-2e4,
                     residual_strength=4e3)
-    for values, words in (({"adhesion": 1.0}, ["along box and", "body.adhesion times 0.4,"]), ({}, [])):
+    rock = Material(law="drucker-prager", young=5e6, poisson=0.3, density=1600.0, friction_angle=30.0, dilation_angle=0.0,
+                    cohesion=1e4, hardening=-2e4, residual_cohesion=4e3)
+    told = ["along box and", "body.adhesion times 0.4,"]
+    for values, words, material in (({"adhesion": 1.0}, told, clay), ({}, [], clay), ({"friction": 0.3}, [], rock)):
         block = box(1.0, 1.0, 0.5, name="box", rest_on=0.0, driven=("x",), velocity=(0.1, 0.0, 0.0), **values)
         described = soil_scene([block], time=Time(1.0, inertia=False))
-        simulation = build(replace(described, soil=replace(described.soil, material=clay)))
+        simulation = build(replace(described, soil=replace(described.soil, material=material)))
         text, = soil.softening(simulation.scene, simulation.model)
         assert all(word in text for word in words) and ("slips along" in text) == bool(words)

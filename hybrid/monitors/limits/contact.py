@@ -181,8 +181,8 @@ def light_body(scene, model):
     density = float(total(soil.constants.mass) / total(soil.constants.volume))
     joined, places = scene.joined, [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        if any(stands_on(places[i], other) for other in places):
-            continue
+        if any(stands_on(places[i], other) and other[:, 2].max() > top_of(soil) for other in places):
+            continue        # it hits that one
         across = np.minimum(np.ptp(initial_vertices(described, body), axis=0), np.ptp(grid.extent, axis=1))[:2]
         height = levelled(soil, initial_vertices(described, body))[:, 2]
         above = height.min() >= top_of(soil) + (body.name in joined) * grid.smallest_cell

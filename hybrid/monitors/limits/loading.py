@@ -43,12 +43,27 @@ def _travels(scene, model, number):
 
     for i in (number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})):
         if travels := of(i):
-            line = scene.bodies[i].pull is not None
-            return [way for way in travels if model.bodies[i].guided[:3][way[1] != 0.0].all() or line and _upright(way[1])]
+            line = model.bodies[i].line
+            return [way for way in travels if model.bodies[i].guided[:3][way[1] != 0.0].all()
+                    or line and _upright(way[1]) and (not line.tension_only or way[1] @ line.direction > 0.0)]
+    holding = [joint for joint in model.joints if joint.length is not None and {number} < {*joint.bodies} - {None}]
+    drawn = [way for joint in holding for i in joint.bodies if i != number
+             for way in _over(scene, model, joint, upright(i))]
     places = [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
-    drawn = [way for i in sorted(bodies_joined_to(scene, number, ("rod", "line")) - {None}) for way in upright(i)]
-    return drawn or [way for i, place in enumerate(places) if stands_on(place, places[number])
-                     for way in upright(i) if way[1][2] < 0.0]
+    pressing = [(i, max(place[:, 2].min() - places[number][:, 2].max(), 0.0)) for i, place in enumerate(places)
+                if stands_on(place, places[number])]
+    return drawn or [(start, travel * (1.0 + gap / travel[2])) for i, gap in pressing for start, travel in upright(i)
+                     if travel[2] < -gap]
+
+
+def _over(scene, model, joint, ways):
+    """What a rod hands on of upright `ways` of one of its bodies, and of those up what a line does once it is taut."""
+    if not joint.slack:
+        return ways
+    poses = [initial_pose(scene.bodies[i], model.bodies[i]) for i in joint.bodies]
+    ends = [centre + rotation @ point for (centre, rotation), point in zip(poses, joint.points)]
+    slack = joint.length - np.linalg.norm(ends[1] - ends[0])
+    return [(start, travel * (1.0 - slack / travel[2])) for start, travel in ways if travel[2] > slack]
 
 
 def _upright(travel):

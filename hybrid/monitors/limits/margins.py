@@ -18,7 +18,7 @@ import numpy as np
 
 from hybrid.monitors.limits.loading import driven, loaded
 from hybrid.monitors.limits.materials import SAND, material_at
-from hybrid.monitors.limits.start import covers, top_of
+from hybrid.monitors.limits.start import covers, initial_vertices, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.soil.points import extent
 
@@ -57,30 +57,52 @@ def narrow_ahead(scene, model):
     """Bodies driven sideways through soil that ends ahead of them, or behind those that it covers, nearer than it is pushed
     aside."""
     soil, top = model.soil, top_of(model.soil)
+    in_plan, base = soil.grid.collapsed[2], extent(soil.constants, 2)[0] + soil.grid.smallest_cell
+    followed = next((initial_vertices(*each) for each in zip(scene.bodies, model.bodies)
+                     if scene.grid.follow in (None, each[1].name)), None)
     for body, travel, place, _ in driven(scene, model):
-        axis, low, high = int(np.argmax(np.abs(travel))), place[:, 2].min(), min(place[:, 2].max(), top)
-        height, name = high - low, "xyz"[axis]
-        piston = low < extent(soil.constants, 2)[0] + soil.grid.smallest_cell       # nothing can get around it
-        if axis == 2 or abs(travel[axis]) < DOWN * np.linalg.norm(travel) or height < soil.grid.smallest_cell or piston:
-            continue
-        material, window = material_at(scene, soil, 0.5 * (low + high)), scene.grid.axes[axis].window
+        axis = int(np.argmax(np.abs(travel)))
+        if axis == 2 or abs(travel[axis]) < DOWN * np.linalg.norm(travel) or not in_plan and place[:, 2].min() < base:
+            continue        # down; obliquely; a piston, which nothing gets around
+        found, height = [], np.ptp(place[:, 1 - axis])
+        covers_it = in_plan or top - place[:, 2].max() > np.ptp(place[:, 2])
+        for side in (0, 1):
+            ahead = (travel[axis] > 0.0) == bool(side)
+            if ahead or covers_it:
+                reach, gap, end = _room(scene, soil, followed, place, travel, axis, side)
+                if gap >= 0.0 and (reach if not in_plan else height) > soil.grid.smallest_cell:
+                    found.append((gap, reach if not in_plan else height, "ahead of" if ahead else "behind", end))
+        gap, height, where, (at, remedy) = min(found, default=(np.inf, 0.0, "", ("", "")))
+        material = material_at(scene, soil, 0.5 * (place[:, 2].min() + min(place[:, 2].max(), top)))
         limit = np.tan(np.radians(45.0 + 0.5 * material.friction_angle)) if material.law in SAND else AHEAD
-        covers_it, found = top - place[:, 2].max() > height, []
-        for side, sign in ((0, -1), (1, 1)):
-            front = sign * place[:, axis].max() if side else -place[:, axis].min()
-            gap = window[side] if window else (
-                sign * soil.grid.extent[axis, side] - front - max(sign * travel[axis], 0.0))
-            ahead = sign * travel[axis] > 0.0
-            if (ahead or covers_it) and gap >= 0.0 and (window or _closed(scene, soil, axis, side)):
-                found.append((gap, "ahead of" if ahead else "behind", soil.grid.extent[axis, side]))
-        gap, where, end = min(found, default=(np.inf, "", 0.0))
         if gap < limit * height:
-            at, remedy = (f"the end of grid.{name}.window", f"Widen grid.{name}.window") if window else (
-                f"{name} = {end:.3g} m", f"Move the end of grid.{name} outwards")
-            yield (f"{body.name} is driven along {name} through soil, {height:.3g} m of it high, which ends {gap:.3g} m "
-                   f"{where} it at {at}, {gap / height:.2g} heights, limit {limit:.2g}: soil that it should push aside is "
-                   "held there. With one height its load is wrong by 10 % in clay and by 25 % in sand, with half of one by "
-                   f"up to 60 %. {remedy}, unless the soil is to end there")
+            wrong = ("With one height its load is 4 % too low, with half of one 16 %" if covers_it else
+                     "With one height its load is 10 % too high in clay and 25 % in sand, with half of one up to 60 %")
+            high = f"{height:.3g} m of it {'wide' if in_plan else 'high'}"
+            yield (f"{body.name} is driven along {'xy'[axis]} through soil, {high}, which ends {gap:.3g} m {where} it "
+                   f"at {at}, {gap / height:.2g} of that, limit {limit:.2g}: soil that it should push aside is held there. {wrong}. "
+                   f"{remedy}, unless the soil is to end there")
+
+
+def _room(scene, soil, followed, place, travel, axis, side):
+    """(Height [m] of a body in the soil on one side of it, distance [m] there to the end of the soil when it has moved, text
+    of that and remedy); a distance of inf where nothing holds the soil, or none is there. followed: (V, 3) [m] vertices at
+    the start of the body that windows move with."""
+    sign, described, name = 2 * side - 1, scene.grid.axes[axis], "xy"[axis]
+    front = sign * (place[:, axis].max() if side else place[:, axis].min())
+    points, low = soil.constants, place[:, 2].min()
+    beyond = (sign * points.position[:, axis] > front) & (points.position[:, 2] > low)
+    height = min(place[:, 2].max(), maximum((points.position + points.half_width)[beyond, 2], low)) - low
+    end = described.end if side else described.start
+    gap = sign * end - front - max(sign * travel[axis], 0.0)
+    held = _closed(scene, soil, axis, side) or described.window and scene.grid.faces.of(axis, side) != "free"
+    found = [(gap, f"{name} = {end:.3g} m", f"Move the end of grid.{name} outwards")] if held else []
+    if described.window:
+        reached = max(sign * followed[:, axis])
+        gap = reached + described.window[side] - front
+        found.append((gap, f"the end of grid.{name}.window", f"Widen grid.{name}.window"))
+    gap, *texts = min(found, default=(np.inf, "", ""))
+    return height, gap if height > 0.0 else np.inf, texts
 
 
 def _closed(scene, soil, axis, side):

@@ -9,7 +9,7 @@ from hybrid.monitors.limits.start import initial_pose, initial_vertices
 from hybrid.runtime.comm import anywhere, gathered, maximum, minimum
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.defaults import POISSON
-from hybrid.scene.soil import materials
+from hybrid.scene.soil import as_clay, materials
 from hybrid.soil.points import extent
 
 ALMOST = 1e-6       # [m] from the end of the grid, which is reached
@@ -113,13 +113,14 @@ def softening(scene, model):
     yield (f"soil.material.hardening = {modulus:g} Pa: softening (limit 0) localises in bands one cell wide: the "
            f"strength is lost after a slip of {slip:.2g} m in cells of {cell:g} m, "
            "and after half of that in cells half as large. Choose hardening for this size of cells, and change it in "
-           f"proportion to that size{_along_bodies(model, residual / strength)}")
+           f"proportion to that size{_along_bodies(scene, model, residual / strength)}")
 
 
-def _along_bodies(model, residual):
-    """What softening does not reach: strength along bodies that rub, of which a share is `residual` in the end."""
+def _along_bodies(scene, model, residual):
+    """What softening of clay does not reach: strength along bodies that rub, of which a share is `residual` in the end."""
     names = [body.name for body in model.bodies if body.friction or body.interface and body.interface.adhesion]
-    if not names:
+    clay = any((m.hardening or 0.0) < 0.0 and as_clay(m).law == "von-mises" for m in materials(scene.soil))
+    if not names or not clay:
         return ""
     return (f". Where clay slips along {', '.join(names)} and does not yield beside it, it keeps the strength that it has "
             f"at the start: for a long slip give body.adhesion times {residual:.2g}, the residual share")
