@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells, ground_cells
-from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil, Time
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Material, Motion, Soil, Time
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay
@@ -391,3 +391,14 @@ def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
     assert "16 cells wide and is lowered" in text and "14% too low" in text
     assert not texts(cells.few_cells, trapdoor(16))
     assert not texts(cells.trapdoors, trapdoor(32)) and not texts(cells.trapdoors, trapdoor(16, velocity=0.001))
+
+
+@pytest.mark.parametrize("across, dilation, lacks", [
+    (4, 30.0, 0.45), (8, 30.0, 0.23), (16, 30.0, 0.08), (8, 0.0, 0.09), (8, 20.0, 0.09)])
+def test_the_law_of_trapdoors_under_sand_is_what_was_measured(across, dilation, lacks):
+    sand = Material(law="mohr-coulomb", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=dilation,
+                    cohesion=0.0)
+    assert cells._under_sand(sand) / across == pytest.approx(lacks, abs=0.06)
+    under = trapdoor(across)
+    found = texts(cells.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
+    assert len(found) == (lacks > 0.2 or across == 16 or dilation == 20.0) and all("under sand" in text for text in found)

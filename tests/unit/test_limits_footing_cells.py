@@ -155,6 +155,19 @@ def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
     assert len(texts(gravity=(0.0, 0.0, -9.81))) == 1
 
 
+def test_one_that_is_loaded_beside_its_middle_stands_on_fewer_cells():
+    """On B - 2 e: 5 of 8 cells, and so half as much more."""
+    def loaded(x):
+        load = Load(point=(x, 0.0, 0.0), force=((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -1e5)))
+        free = strip(driven=(), held=("y", "rx", "rz"), velocity=(0.0, 0.0, 0.0), loads=(load,))
+        grid = replace(free.grid, x=Axis(start=-2.0, end=2.0, size=0.125))
+        text, = asked(footing_cells.cohesive_strips, replace(free, grid=grid))
+        return text
+
+    assert "base 8 cells" in loaded(0.0) and "about 18% too high" in loaded(0.0)
+    assert "base 5 cells" in loaded(0.1875) and "about 25% too high" in loaded(0.1875)
+
+
 @pytest.mark.parametrize("motion", [{"velocity": -0.001}, {"displacement": ((0.0, 0.0), (2.0, -0.005), (5.0, 0.0))}])
 def test_one_that_a_stage_drives(motion):
     """All the travel, or there and back."""

@@ -47,6 +47,15 @@ def test_the_mechanism_under_a_rough_body_reaches_farther():
     assert "limit 0.4" in texts(depth=0.15, adhesion=1.0)[0]
 
 
+def test_the_mechanism_in_soil_with_friction_reaches_farther():
+    soil = Material(law="mohr-coulomb", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=30.0,
+                    cohesion=1e4)
+    text, = texts(x=(-1.0, 0.55), material=soil, depth=1.0)
+    assert "0.88 widths, limit 1:" in text and "limit 0.84" in texts(depth=0.3, material=soil)[0]
+    assert not texts(x=(-1.0, 0.65), material=soil, depth=1.0)
+    assert "limit 1.4" in texts(x=(-1.0, 0.65), material=soil, depth=1.0, friction=0.4)[0]
+
+
 @pytest.mark.parametrize("values", [
     # a platen on all of the soil
     {}, {"x": (0.0, 0.3)}, {"x": (-1.0, 0.25), "faces": {"x_max": "free"}}, {"x": (-0.2, 0.2)},

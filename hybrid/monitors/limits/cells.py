@@ -23,7 +23,7 @@ import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
 from hybrid.monitors.limits.loading import driven, loaded, through_clay
-from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at, stays_attached
 from hybrid.monitors.limits.shape import faces, feet, heading, leads, narrowest, sides
 from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import minimum
@@ -32,6 +32,8 @@ from hybrid.soil.points import extent
 ATTACHED, ROUND, EDGE, WEDGE = 1.75, 1.5, 0.3, 0.7
 # Door of 2 m under 2 m of clay, s_u = 10 kPa, that weighs 31.4 kPa: 8.1, 10.0, 11.0 kPa with 8, 16, 32 cells, exact 11.7
 TRAPDOOR = 2.3
+# Under sand, H = 2 B: 45, 23, 8 % of γ B²/(4 tan φ) missing with 4, 8, 16 cells, φ = ψ = 30°; 9 % with 8, ψ = 0, φ = ψ = 20°
+UNDER_SAND = 0.75, 1.1
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
 # Squares lifted, n = 4.5, 8.5, 12.5 across, 1.4 widths under the ground, α = 1: 15.9, 14.2, 13.5 s_u A where it has 12.4 at
@@ -105,7 +107,7 @@ def _eccentric(scene, model, body, travel, place, arm):
 
 
 def trapdoors(scene, model):
-    """Bodies lowered under clay in plane strain, so few cells wide that too little of it rests on them."""
+    """Bodies lowered under clay or sand in plane strain, so few cells wide that too little of it rests on them."""
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
@@ -113,11 +115,21 @@ def trapdoors(scene, model):
     for body, travel, place, plane in driven(scene, model):
         width, top = narrowest(soil.grid, place, travel), place[:, 2].max()
         door = plane and travel[2] < 0.0 and width and _under_all(soil, place)
-        excess = TRAPDOOR * cell / width if door and law_at(scene, soil, top + 0.5 * cell) == CLAY else 0.0
+        if not door:
+            continue
+        material = material_at(scene, soil, top + 0.5 * cell)
+        number = TRAPDOOR if material.law == CLAY else _under_sand(material) if material.law in SAND else 0.0
+        excess = number * cell / width
         if excess > EXCESS:
-            yield (f"{body.name} is {width / cell:.2g} cells wide and is lowered under clay, which is sheared in the cells "
-                   f"beside its edges: its load is about {excess:.0%} too low under a cover of its own width, limit "
-                   f"{EXCESS:.0%}. {smaller_cells(EXCESS / TRAPDOOR * width, ' at its edges')}")
+            name = "clay" if material.law == CLAY else "sand"
+            yield (f"{body.name} is {width / cell:.2g} cells wide and is lowered under {name}, which is sheared in the "
+                   f"cells beside its edges: its load is about {excess:.0%} too low under a cover of its own width, limit "
+                   f"{EXCESS:.0%}. {smaller_cells(EXCESS / number * width, ' at its edges')}")
+
+
+def _under_sand(material):
+    """Share of its load that a trapdoor under a sand lacks, times the cells in its width."""
+    return UNDER_SAND[0] + UNDER_SAND[1] * (np.sin(np.radians(material.dilation_angle or 0.0)) / 0.5) ** 3
 
 
 def _under_all(soil, place):

@@ -84,16 +84,17 @@ def cohesive_strips(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.resolution
-    pushed = [(*found, found[1]) for found in driven(scene, model)]
-    pushed += [(*found[:4], np.zeros(3)) for found in loaded(scene, model)]     # how far these go is not known
-    for body, travel, place, plane, moved in pushed:
+    pushed = [(*found, found[1], 0.0) for found in driven(scene, model)]
+    # how far these go is not known; a load beside the middle stands on less
+    pushed += [(*found[:4], np.zeros(3), found[5]) for found in loaded(scene, model)]
+    for body, travel, place, plane, moved, arm in pushed:
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         lid = covers(place, soil)
         if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
-            yield from _strip(body, width, cell, material, -moved[2])
+            yield from _strip(body, max(width - 2.0 * arm, cell), cell, material, -moved[2])
 
 
 def _strip(body, width, cell, material, travel):

@@ -7,7 +7,9 @@ roller beside it or a fixed base below:
     smooth         1.89   1.15    1.04   1.00   1.00      smooth         1.18   1.07   1.03   1.00
     rough           -     1.28     -     1.08   1.00      rough          1.50    -     1.19   1.05
 
-The limits are those where it is a tenth too high; in sand mechanisms reach farther.
+The limits are those where it is a tenth too high. Of soil with cohesion and friction, φ = ψ = 30°, 1.77, 1.42, 1.12 with
+0.375, 0.625, 1 B beside a smooth strip, 1.64, 1.31, 1.02 with 0.625, 1, 2 B beside a rough one, 1.71, 1.05 with 0.5, 1 B
+below a smooth one: there limits grow with tan φ.
 
 A blade 1 m deep that is pushed through clay has 10 and 36 to 60 % too much load where the soil ends 1 and 0.5 m ahead
 of it, in sand of 32°, whose wedge reaches d tan(45° + φ/2) ahead, 25 to 29 and 60 %; a pipe deep in clay 16 % too little
@@ -24,6 +26,8 @@ from hybrid.soil.points import extent
 
 BESIDE = {True: 0.25, False: 0.15}  # widths of the body, by whether it is rough
 BELOW = {True: 0.4, False: 0.25}
+FRICTIONAL = {True: 1.2, False: 0.85}   # more beside it, and 0.7 of that below, with tan φ = tan 30°
+DEEPER = 0.7
 DOWN = 0.9      # share of the travel of a body that is pressed down
 AHEAD = 1.0     # heights of a body in clay that is pushed sideways
 HEAVE, ROOM = 0.25, 0.5     # cells from the highest points to the surface, and above it that are no room
@@ -43,14 +47,18 @@ def narrow_margins(scene, model):
             continue
         found = list(_beside(scene, model.soil, place))
         width = min((width for width, *_ in found), default=np.inf)
+        material = material_at(scene, model.soil, min(place[:, 2].min(), top_of(model.soil)))
+        angle = material.friction_angle if material.law in SAND else 0.0
+        more = FRICTIONAL[rough] * np.tan(np.radians(angle)) / np.tan(np.radians(30.0))
+        beside, deep = BESIDE[rough] + more, BELOW[rough] + DEEPER * more
         for _, gap, where in found:
-            if gap is not None and gap < BESIDE[rough] * width:
-                yield _text(body, width, gap, f"beside it at {where}", BESIDE[rough],
+            if gap is not None and gap < beside * width:
+                yield _text(body, width, gap, f"beside it at {where}", beside,
                             f"{where[0]}.window" if "window" in where else where[0])
         below = place[:, 2].min() + (0.0 if by_force else travel[2]) - extent(model.soil.constants, 2)[0]
         ends_there = scene.grid.faces.z_min != "free"
-        if np.isfinite(width) and -0.1 * width < below < BELOW[rough] * width and ends_there:
-            yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", BELOW[rough], "z")
+        if np.isfinite(width) and -0.1 * width < below < deep * width and ends_there:
+            yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", deep, "z")
 
 
 def narrow_ahead(scene, model):
@@ -79,9 +87,9 @@ def narrow_ahead(scene, model):
             wrong = ("With one height its load is 4 % too low, with half of one 16 %" if covers_it else
                      "With one height its load is 10 % too high in clay and 25 % in sand, with half of one up to 60 %")
             high = f"{height:.3g} m of it {'wide' if in_plan else 'high'}"
-            yield (f"{body.name} is driven along {'xy'[axis]} through soil, {high}, which ends {gap:.3g} m {where} it "
-                   f"at {at}, {gap / height:.2g} of that, limit {limit:.2g}: soil that it should push aside is held there. {wrong}. "
-                   f"{remedy}, unless the soil is to end there")
+            yield (f"{body.name} is driven along {'xy'[axis]} through soil, {high}, which ends {gap:.3g} m {where} it at "
+                   f"{at}, {gap / height:.2g} of that, limit {limit:.2g}: soil that it should push aside is held there. "
+                   f"{wrong}. {remedy}, unless the soil is to end there")
 
 
 def _room(scene, soil, followed, place, travel, axis, side):
@@ -148,8 +156,8 @@ def no_room_above(scene, model):
 
 def _text(body, width, gap, where, limit, axis):
     return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit "
-            f"{limit:g}: soil that should flow from under it is held there, so that the body carries more than on ground "
-            "without this end, by a tenth at the limit on clay and by much more nearer to it. "
+            f"{limit:.2g}: soil that should flow from under it is held there, so that the body carries more than on ground "
+            "without this end, by a tenth at the limit and by much more nearer to it. "
             f"{f'Widen grid.{axis}' if 'window' in axis else f'Move the end of grid.{axis} outwards'}, unless the soil is "
             "to end there")
 
