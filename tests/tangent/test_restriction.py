@@ -10,7 +10,6 @@ from scipy.sparse import csr_matrix
 from hybrid.setup.build import build
 from hybrid.soil import restriction as of_soil
 from hybrid.step import iteration, restriction, sticking
-from hybrid.step.equations import Step
 from hybrid.study.precision.problems import anchor
 
 CLOSE = {"rel": 1e-11, "abs": 1e-9}     # sums of points in another order

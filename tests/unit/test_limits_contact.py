@@ -176,15 +176,16 @@ def test_a_light_body_that_hangs_on_a_joint_hits_nothing(height, count):
 
 
 def test_a_light_body_on_another_one_hits_that():
-    """The upper one of two on a block, and the same one beside it."""
+    """The upper one of two on a block, the same one beside it, and over one that is buried."""
     found = []
-    for x in (0.0, 1.0):
+    for x, height in ((0.0, 0.0), (1.0, 0.0), (0.0, -0.8)):
         upper = box(0.4, 0.4, 0.2, density=300.0, name="upper", position=(x, 0.0, 0.0), rest_on=0.6)
-        lower = box(0.5, 0.5, 0.6, density=3000.0, name="lower", position=(0.0, 0.0, 0.0), rest_on=0.0)
-        described = soil_scene([lower, upper], x=(-2.0, 2.0), y=(-1.0, 1.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+        lower = box(0.5, 0.5, 0.6, density=3000.0, name="lower", position=(0.0, 0.0, 0.0), rest_on=height)
+        described = soil_scene([lower, upper], x=(-2.0, 2.0), y=(-1.0, 1.0), z=(-1.2, 0.4), gravity=(0.0, 0.0, -9.81),
+                               time=Time(0.01))
         simulation = build(described)
         found.append([text[:5] for text in contact.light_body(simulation.scene, simulation.model)])
-    assert found == [[], ["upper"]]
+    assert found == [[], ["upper"], ["upper"]]
 
 
 @pytest.mark.parametrize("density, count", [(760.0, 0), (740.0, 1)])

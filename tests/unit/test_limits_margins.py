@@ -136,6 +136,25 @@ def test_soil_that_ends_ahead_of_a_blade_is_told_for_the_end_of_its_way():
     assert not pushed((-1.0, 0.3), ground=((-1.0, 0.0), (0.05, 0.0), (0.05, -0.2), (0.3, -0.2)))     # over an empty pit
 
 
+def test_the_window_is_that_of_the_body_it_follows_and_a_pile_in_plan_has_its_width():
+    """Two blades, the second 0.3 m ahead of the one that is followed; a pile 0.2 m wide."""
+    two = [box(0.1, 0.2, 0.3, name=name, position=(x, 0.1, -0.05), driven=("x",), velocity=(1.0, 0.0, 0.0), held=("z", "ry"))
+           for name, x in (("one", 0.0), ("two", 0.3))]
+    axis = Axis(-1.0, 1.5, 0.05, window=(0.3, 0.4), doublings=1)
+    described = soil_scene(two, x=axis, y=collapsed(0.2), z=Axis(-0.4, 0.3, 0.05), faces=Faces(z_min="fixed"), steps=10)
+    soil = replace(described.soil, material=CLAY, geostatic=True)
+    simulation = build(replace(described, soil=soil, gravity=(0.0, 0.0, -9.81)))
+    text, = narrow_ahead(simulation.scene, simulation.model)
+    assert text.startswith("two is driven") and "0.1 m ahead of it at the end of grid.x.window" in text
+    pile = box(0.2, 0.2, 1.0, name="pile", position=(0.0, 0.0, 0.0), driven=("x",), velocity=(1.0, 0.0, 0.0),
+               held=("y", "rz"))
+    for end, count in ((0.3, 1), (0.6, 0)):
+        described = soil_scene([pile], x=Axis(-1.0, end, 0.05), y=Axis(-1.0, 1.0, 0.05), z=collapsed(1.0), steps=10)
+        simulation = build(replace(described, soil=replace(described.soil, material=CLAY, top=None)))
+        found = list(narrow_ahead(simulation.scene, simulation.model))
+        assert len(found) == count and all("0.2 m of it wide" in text and "4 % too low" in text for text in found)
+
+
 def test_soil_that_ends_beside_what_it_covers_is_told_on_both_sides():
     text, = pushed((-0.1, 1.0), height=0.1, z=-0.8, at=-0.4)
     assert "0.1 m of it high, which ends 0.05 m behind it at x = -0.1 m" in text and "4 % too low" in text

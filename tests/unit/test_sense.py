@@ -62,6 +62,10 @@ def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
     assert any(words in note for note in found), found
 
 
+def test_a_line_that_carries_compression_may_lead_against_its_motion():
+    assert notes("anchor", "body.0.pull.direction=[-1, 0, 0]", "body.0.pull.tension_only=false") == notes("anchor")
+
+
 CUBE = (f"body=[{{ geometry = '{GEOMETRY / 'box.geo'}', density = 2000.0, position = [0.0, 0.5, 0.0], rest_on = 2.0, "
         "adhesion = 1.0, tension = %s }]")
 
