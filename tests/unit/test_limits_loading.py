@@ -11,7 +11,7 @@ from hybrid.monitors.limits.loading import driven, loaded, travels_of
 from hybrid.monitors.limits.materials import law_at, stays_attached
 from hybrid.monitors.limits.shape import sides
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
 
 SAND = Material(young=5e7, poisson=0.3, density=1700.0, friction_angle=30.0, dilation_angle=0.0, cohesion=0.0)
@@ -209,6 +209,23 @@ def test_a_body_on_which_a_driven_one_stands_is_judged_as_if_it_were_driven():
         simulation = build(replace(strip, bodies=(lower, upper)))
         found.append([body.name for body, *_ in driven(simulation.scene, simulation.model)])
     assert found == [[lower.name], [], [], [], [lower.name]]
+
+
+def test_ropes_and_lines_do_not_press():
+    """A strip under a crane that goes down on a rope, and on a rod; one on a line that is let down, and on a strut."""
+    (strip,), found = described(material=CLAY, size=(1.0, 1.0), z=0.5).bodies, []
+    strip = replace(strip, driven=(), held=("x", "ry"))
+    crane = replace(strip, name="crane", position=(strip.position[0], 0.5, 1.8), driven=("z",))
+    down = Stage("down", 4, motions=(Motion(body="crane", component="z", velocity=-0.05),))
+    for kind in ("line", "rod"):
+        joint = Joint("rope", kind, ("strip", "crane"), point=(0.0, 0.0, 0.5), end=(0.0, 0.0, -0.5))
+        scene = replace(described(down, material=CLAY), bodies=(strip, crane), joints=(joint,))
+        found.append([body.name for body, *_ in driven(scene, build(scene).model)])
+    for tension_only in (True, False):
+        line = Pull((0.0, 0.0, 0.5), (0.0, 0.0, -0.05), 1e6, 2.0, direction=(0.0, 0.0, 1.0), tension_only=tension_only)
+        scene = replace(described(Stage("down", 4), material=CLAY), bodies=(replace(strip, pull=line),))
+        found.append([body.name for body, *_ in driven(scene, build(scene).model)])
+    assert found == [[], ["strip"], [], ["strip"]]
 
 
 def test_a_body_welded_to_one_that_is_driven_is_judged_as_that_one_is():

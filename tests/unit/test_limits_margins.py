@@ -106,19 +106,20 @@ def test_a_window_is_an_end_of_the_soil_as_any_other():
     found = []
     for window in ((0.04, 0.04), (0.4, 0.4), (0.0, 0.0)):
         x = Axis(-1.0, 1.0, 0.02, window=window, doublings=1)
-        scene = soil_scene([strip], x=x, y=collapsed(0.2), z=Axis(-0.4, 0.3, 0.05), faces=Faces(z_min="fixed"))
+        faces = Faces(z_min="fixed", x_min="free", x_max="free")     # the ends of a window are held
+        scene = soil_scene([strip], x=x, y=collapsed(0.2), z=Axis(-0.4, 0.3, 0.05), faces=faces)
         simulation = build(replace(scene, soil=replace(scene.soil, material=CLAY, geostatic=True)))
         found.append([text for limit in (narrow_margins, covered) for text in limit(simulation.scene, simulation.model)])
     assert "the end of its window" in found[0][0] and "Widen grid.x.window" in found[0][0] and not found[1]
     assert any("widen grid.x.window, unless compression" in text for text in found[2])
 
 
-def pushed(x, material=CLAY, z=-0.4, window=None, height=0.3, at=-0.05, ground=None):
+def pushed(x, material=CLAY, z=-0.4, window=None, height=0.3, at=-0.05, ground=None, steps=10):
     """Texts about a blade 0.1 m thick, which reaches 0.2 m deep and is pushed 0.1 m along x from x = 0.05 m."""
     blade = box(0.1, 0.2, height, name="blade", position=(0.0, 0.1, at), driven=("x",), velocity=(1.0, 0.0, 0.0),
                 held=("z", "ry"))
     axis = Axis(*x, 0.05, window=window, doublings=1) if window else Axis(*x, 0.05)
-    scene = soil_scene([blade], x=axis, y=collapsed(0.2), z=Axis(z, 0.3, 0.05), faces=Faces(z_min="fixed"), steps=10)
+    scene = soil_scene([blade], x=axis, y=collapsed(0.2), z=Axis(z, 0.3, 0.05), faces=Faces(z_min="fixed"), steps=steps)
     soil = replace(scene.soil, material=material, geostatic=True, ground=ground, top=None if ground else 0.0)
     simulation = build(replace(scene, soil=soil, gravity=(0.0, 0.0, -9.81)))
     return list(narrow_ahead(simulation.scene, simulation.model))
@@ -133,6 +134,7 @@ def test_soil_that_ends_ahead_of_a_blade_is_told_for_the_end_of_its_way():
     assert not pushed((-0.1, 1.0)) and not pushed((-1.0, 0.3), z=-0.2)      # behind it; a piston
     assert "window, 0.5 of that" in pushed((-1.0, 1.0), window=(0.3, 0.1))[0]
     assert not pushed((-1.0, 1.0), window=(0.1, 0.3)) and "x = 0.3 m" in pushed((-1.0, 0.3), window=(0.3, 0.3))[0]
+    assert "0.05 m ahead of it at x = 0.3 m" in pushed((-1.0, 0.3), window=(0.3, 0.14), steps=20)[0]
     assert not pushed((-1.0, 0.3), ground=((-1.0, 0.0), (0.05, 0.0), (0.05, -0.2), (0.3, -0.2)))     # over an empty pit
 
 

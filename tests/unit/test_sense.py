@@ -129,6 +129,7 @@ def places(**body):
     ({"position": (1.0, 1.0, -3.0), "rest_on": None, "velocity": (0.0, 0.0, 1.0)}, "lies below the grid, up to z = -2.9 m"),
     ({"position": (2.05, 1.0, 0.0)}, "is half outside the grid: its middle is at x = 2.05 m"),
     ({"position": (1.95, 1.0, 0.0)}, "reaches 0.05 m past the end of the grid at x = 2 m, 25% of its length"),
+    ({"parameters": {"length": 0.02, "width": 0.02, "height": 0.02, "size": 1.0}}, ""),
     ({"scale": 0.001}, "is 0.0002 m long, less than 0.5 of a cell, with body.scale = 0.001: STEP files are read in metres"),
     ({"position": (1.95, 1.0, 0.0), "rest_on": 0.3}, ""),      # higher than a cell above the soil
     ({"position": (1.9005, 1.0, 0.0)}, "ends on the face x_max of the grid and may leave it"),

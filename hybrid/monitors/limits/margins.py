@@ -103,8 +103,9 @@ def _room(scene, soil, followed, place, travel, axis, side):
     height = min(place[:, 2].max(), maximum((points.position + points.half_width)[beyond, 2], low)) - low
     end = described.end if side else described.start
     gap = sign * end - front - max(sign * travel[axis], 0.0)
-    held = _closed(scene, soil, axis, side) or described.window and scene.grid.faces.of(axis, side) != "free"
-    found = [(gap, f"{name} = {end:.3g} m", f"Move the end of grid.{name} outwards")] if held else []
+    found = []
+    if _closed(scene, soil, axis, side):
+        found.append((gap, f"{name} = {end:.3g} m", f"Move the end of grid.{name} outwards"))
     if described.window:
         reached = max(sign * followed[:, axis])
         gap = reached + described.window[side] - front
@@ -126,7 +127,7 @@ def covered(scene, model):
         axes = np.flatnonzero(~soil.grid.collapsed[:2])
         ends = [(extent(soil.constants, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
         closed = all(np.abs(np.subtract(reached, limits)).max() < soil.grid.smallest_cell
-                     and "free" not in (scene.grid.faces.of(axis, side) for side in (0, 1))
+                     and (scene.grid.axes[axis].window or "free" not in (scene.grid.faces.of(axis, side) for side in (0, 1)))
                      for axis, (reached, limits, _) in zip(axes, ends))
         if len(axes) and travel[2] <= -DOWN * np.linalg.norm(travel) and closed and covers(place, soil):
             where = " and ".join(f"{name} = {limits[0]:.3g} to {limits[1]:.3g} m" for _, limits, name in ends)
