@@ -26,7 +26,7 @@ LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the
 ON_SOIL = 0.3       # of soil that deforms, which takes some of it without increments being too long
 QUIET = 5           # steps without a force between bodies
 STEADY = 0.01       # of the kinetic energy: change of the balance in one of them, of an impulse that has been given
-LATER = 0.2         # of the largest energy of motion so far: of less, elastic soil brakes what it has been hit by
+LATER = 0.2         # of the largest energy of motion so far: a body with less is still being braked by elastic soil
 SURE = 2 * LOST     # of the kinetic energy, where a run ends: some of what is missing may still come back
 SHORTER = ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %"
 

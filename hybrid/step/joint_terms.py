@@ -30,8 +30,8 @@ CREEP = 1e-9        # of sticking friction
 IMPLIED = 1e-8      # share of a row that others leave over, below which it is implied by them
 DRIVEN = 1e-12      # [rad] of a hinge in an increment, from which guides turn it
 EXACT = 1e-3        # a tolerance of 1e-4 means 1e-7 radii, or rad
-RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ, or to the force s φ of this error,
-FINE = 1e-4         # so that a rope which goes slack is released by 1e-50 N too
+RELEASED = 1e-9     # difference of λ from its bound, relative to the largest λ,
+FINE = 1e-4         # or to the force of an error of this size, so that 1e-50 N in a slack rope are within round-off
 
 
 @dataclass(frozen=True)
