@@ -10,6 +10,7 @@ from hybrid.runtime.comm import anywhere, largest, number
 from hybrid.runtime.memory import direct_factor_memory
 from hybrid.runtime.sandbox import shortcoming
 from hybrid.scene.soil import USES, laws, of_layer, span
+from hybrid.scene.table import shown
 from hybrid.soil.size import LIBRARIES, PICTURES, growing_memory, sizes
 
 PAIRS = 12      # of bodies in contact that the sheet lists
@@ -130,7 +131,7 @@ def _layer(layer, scene, soil):
     """Range, law and values of a layer."""
     bottom, top = span(layer, scene.soil, scene.grid)
     values = layer.material if layer.k0 is None else {**layer.material, "k0": layer.k0}
-    own = [f"{name} = {value:g}" for name, value in values.items()]
+    own = [f"{name} = {shown(value)}" for name, value in values.items()]
     parts = [f"{layer.name}: z = {bottom:g} to {top:g} m", _law(of_layer(scene.soil.material, layer), soil.law), *own]
     return ", ".join(parts)
 

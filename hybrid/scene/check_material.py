@@ -1,7 +1,7 @@
 """The material and layers of a scene: values that the law needs, refuses or limits, and layers that overlap."""
 
 from hybrid.scene.read import unknown
-from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES, Material, ends, laws, of_layer, span
+from hybrid.scene.soil import KEYS, NEEDS, OF_LAYERS, USES, Material, ends, laws, of_layer, span
 from hybrid.scene.table import described, range_fault, shown
 
 RESIDUALS = {"residual_cohesion": "cohesion", "residual_strength": "strength"}
@@ -48,15 +48,16 @@ def _layer_values(key, layer, material):
     if layer.law is not None and "user" in (layer.law, material.law):
         yield f"{key}.law = {layer.law!r}: must be left out: law = 'user' of soil.material is one law for all points"
         return
-    wrong = [name for name, value in layer.material.items() if name not in NUMBERS or isinstance(value, str)]
+    wrong = [name for name, value in layer.material.items()
+             if name not in OF_LAYERS or isinstance(value, str) or isinstance(value, bool) != (name == "buoyant")]
     for name in wrong:
         given = f"{key}.material.{name} = {layer.material[name]!r}"
         if name == "law":
             yield f"{given}: a layer has its law beside its material: write {key}.law"
-        elif name in NUMBERS:
-            yield f"{given}: expected a number"
+        elif name in OF_LAYERS:
+            yield f"{given}: expected {'true or false' if name == 'buoyant' else 'a number'}"
         else:
-            yield unknown(Material, f"{key}.material.{name}", name, "a layer", NUMBERS)
+            yield unknown(Material, f"{key}.material.{name}", name, "a layer", OF_LAYERS)
     if not wrong:
         for name, value in layer.material.items():
             if described(KEYS[name]).range:

@@ -8,7 +8,7 @@ from typing import Literal, get_args, get_origin, get_type_hints
 
 from hybrid.scene import Layer, Material, Scene
 from hybrid.scene.defaults import RULES
-from hybrid.scene.soil import KEYS, NEEDS, NUMBERS, USES
+from hybrid.scene.soil import KEYS, NEEDS, OF_LAYERS, USES
 from hybrid.scene.table import Range, described, file_name, required_in_file, shown
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -60,9 +60,9 @@ def _type(hint, limits=Range()):
 
 
 def _values_of_material():
-    """Schema of [soil.layer.material]: the numbers of [soil.material]."""
+    """Schema of [soil.layer.material]: what a layer may have of [soil.material]."""
     hints = get_type_hints(Material)
-    values = {name: _type(hints[name], described(KEYS[name]).range) for name in NUMBERS}
+    values = {name: _type(hints[name], described(KEYS[name]).range) for name in OF_LAYERS}
     return {"type": "object", "properties": values, "additionalProperties": False}
 
 

@@ -77,7 +77,7 @@ class Layer:
     top: float | None = key("z of its upper end; left out: that of the soil", "m", default=None)
     bottom: float | None = key("z of its lower end; left out: that of the soil", "m", default=None)
     law: Law | None = key("law of the layer; left out: that of soil.material", default=None, words=LAW_WORDS)
-    material: dict[str, float | str] = key(       # words too, for what is said about a law among them
+    material: dict[str, float | bool | str] = key(      # words too, for what is said about a law among them
         "values of soil.material that are different here, by name; relative_density replaces all of them",
         default_factory=dict)
     k0: float | None = key(
@@ -152,6 +152,7 @@ NEEDS = {
 }
 FRICTIONAL = {"drucker-prager", "mohr-coulomb", "willam-warnke"}
 NUMBERS = tuple(name for name, hint in get_type_hints(Material).items() if hint == float | None)
+OF_LAYERS = (*NUMBERS, "buoyant")       # what a layer may have of its own: sand is dry above a water table, buoyant below
 KEYS = {f.name: f for f in fields(Material)}
 
 

@@ -106,7 +106,7 @@ def lay_out(described, grid, gravity, own_law=None, cells=None):
     law = ranks.together(law_of_points)
     law.hardens = anywhere(law.hardens)     # points come from other processes
     if anywhere(stress):
-        _refuse_yielding(law, stress, level - constants.position[:, 2])
+        _refuse_yielding(law, stress, level - constants.position[:, 2], strata)
     return constants, stress, law
 
 
@@ -234,7 +234,7 @@ def initial_stress(described, constants, density, k0, vertical, gravity):
     return replace(constants, geostatic_gradient=gradient), -vertical[:, None] * ratios
 
 
-def _refuse_yielding(law, stress, depth):
+def _refuse_yielding(law, stress, depth, strata):
     """SceneError where the law cannot carry the stress at rest, about the point where it misses most, or has none there."""
     response = law.respond(law.strain(stress), np.zeros(len(stress)))
     excess = np.abs(response.stress - stress).max(axis=1) - 1e-9 * largest(np.abs(stress))
@@ -249,15 +249,15 @@ def _refuse_yielding(law, stress, depth):
             if np.isinf(worst):
                 raise SceneError(f"{at}has no finite response of the law there; correct the law, or set "
                                  "soil.geostatic = false for soil that begins without stress")
-            raise SceneError(f"{at}is more than the law can carry; {_remedy(law, stress)}")
+            raise SceneError(f"{at}is more than the law can carry; {_remedy(law, stress, strata)}")
 
     if worst > 0:
         ranks.together(refuse)
 
 
-def _remedy(law, stress):
-    """What makes a law carry a stress (n, 3) [Pa] at rest: the K0 nearest to the one given that does, to two digits, or
-    another strength."""
+def _remedy(law, stress, strata):
+    """What makes a law carry a stress (n, 3) [Pa] at rest: the K0 nearest to the one given that does, to two digits, a law
+    that carries the one given, or another strength."""
     given = stress[:, :2] / np.minimum(stress[:, 2:], -TINY)
     largest_k0 = given.max(initial=0.0)     # of this process's own points: it alone refuses
     passive = largest_k0 > 1.0
@@ -265,5 +265,14 @@ def _remedy(law, stress):
         trial = (np.maximum if passive else np.minimum)(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])
         carried = law.respond(law.strain(trial), np.zeros(len(trial))).stress
         if np.abs(carried - trial).max(initial=0.0) <= 1e-9 * np.abs(trial).max(initial=0.0):
-            return f"set soil.k0 to {'at most' if passive else 'at least'} {k0:.2f}, or raise the strength"
+            return (f"set soil.k0 to {'at most' if passive else 'at least'} {k0:.2f}, "
+                    f"{_law_that_carries(given, strata)}or raise the strength")
     return "raise the strength"
+
+
+def _law_that_carries(k0, strata):
+    """The law of all its sections instead of a circular cone, where that bears each of K0, which the cone does not."""
+    cones = [s.values["friction_angle"] for s in strata if s.law == "drucker-prager"]
+    active = np.tan(np.radians(45.0 - 0.5 * min(cones, default=0.0))) ** 2
+    carried = cones and k0.min(initial=1.0) >= active and k0.max(initial=1.0) <= 1.0 / active
+    return 'or law = "mohr-coulomb", which carries the one given, ' if carried else ""

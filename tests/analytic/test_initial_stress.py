@@ -201,6 +201,18 @@ def test_a_k0_that_the_soil_cannot_carry_is_refused_with_one_that_it_can(given, 
         build(level(material=SAND, k0=enough + beyond))
 
 
+@pytest.mark.parametrize("k0, named", [(0.4, True), (0.2, False)])
+def test_the_law_that_carries_a_k0_which_the_cone_does_not_is_named(k0, named):
+    """K_a = 1/3: sand of 30° is at rest at 0.4 under Mohr-Coulomb's law, and not under a cone matched in plane strain."""
+    cone = Material(law="drucker-prager", young=5e7, poisson=0.25, density=1900.0, friction_angle=30.0, dilation_angle=0.0,
+                    cohesion=0.0, cone="plane strain")
+    with pytest.raises(SceneError, match="set soil.k0 to at least 0.46") as refusal:
+        build(level(material=cone, k0=k0))
+    assert ('law = "mohr-coulomb"' in str(refusal.value)) == named
+    if named:
+        build(level(material=replace(cone, law="mohr-coulomb", cone=None), k0=k0))
+
+
 @pytest.mark.parametrize("share, stressed, period, count", [
     (1.0, True, 0.1, 1), (0.05, True, 0.1, 0), (1.0, False, 0.1, 0), (1.0, True, None, 0)])
 def test_soil_far_from_equilibrium_is_told_before_a_run_without_inertia(share, stressed, period, count):

@@ -1,10 +1,14 @@
 """Values of materials and layers: what a law uses, what a layer inherits, and refusals that say what to do."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from small_scene import refused
 
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Layer, Material
+from hybrid.scene.defaults import STANDARD_GRAVITY
 from hybrid.scene.file import load_scene, scene_from_dict
 from hybrid.scene.soil import KEYS, NUMBERS, USES, of_layer
 from hybrid.scene.table import described
@@ -71,6 +75,8 @@ def test_materials_that_contradict_themselves(material, words):
     ({"material": {"strength": 1e3}}, ["soil.layer.0.material.strength", "left out with law = 'mohr-coulomb'"]),
     ({"material": {"poisson": 0.5}}, ["soil.layer.0.material.poisson = 0.5: must be above -1 and below 0.5"]),
     ({"material": {"young": "stiff"}}, ["soil.layer.0.material.young = 'stiff': expected a number"]),
+    ({"material": {"young": True}}, ["soil.layer.0.material.young = True: expected a number"]),
+    ({"material": {"buoyant": 1.0}}, ["soil.layer.0.material.buoyant = 1.0: expected true or false"]),
     ({"material": {"law": "von-mises"}}, ["soil.layer.0.material.law = 'von-mises'", "write soil.layer.0.law"]),
     ({"law": "von-mises"}, ["soil.layer.0.material: missing strength for law 'von-mises'"]),
     ({"law": "user"}, ["soil.layer.0.law = 'user': must be left out"]),
@@ -113,6 +119,17 @@ def test_what_a_layer_inherits():
     assert dense == Material("drucker-prager", relative_density=80.0, cone="extension")
     clay = of_layer(sand, Layer("a", law="von-mises", material={"strength": 1e4}))
     assert clay == Material("von-mises", young=5e6, poisson=0.3, density=1700.0, strength=1e4, cone="extension")
+
+
+def test_sand_is_dry_above_a_water_table_and_buoyant_below():
+    dry = Material("willam-warnke", relative_density=40.0)
+    assert of_layer(dry, Layer("wet", material={"buoyant": True})) == replace(dry, buoyant=True)
+    wet = {"name": "wet", "top": 0.5, "material": {"buoyant": True}}
+    points = build(scene_of({"relative_density": 40.0}, layer=[wet])).model.soil.constants
+    density = points.mass / points.volume
+    below = points.position[:, 2] < 0.5
+    assert np.allclose(density[~below], 16.6e3 / STANDARD_GRAVITY)       # 15 + 0.04 Dr, 19 + 0.016 Dr - g [kN/m³]
+    assert np.allclose(density[below], 19.64e3 / STANDARD_GRAVITY - 1e3)
 
 
 def test_layers_in_a_file(path):
