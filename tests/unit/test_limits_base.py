@@ -2,7 +2,7 @@
 
 import pytest
 
-from hybrid.monitors.limits import base
+from hybrid.monitors.limits import base, margins
 from hybrid.monitors.limits.base import body_on_base
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Load, Material, Scene, Soil, Stage, Time
@@ -88,7 +88,7 @@ def base_of(soil):
     grid = Grid(Axis(0.0, 1.0, 0.5), Axis(0.0, 1.0, collapsed=True), Axis(-3.0, 0.5, 0.5))
     simulation = build(Scene(name="soil", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), time=Time(1.0, inertia=False),
                              stages=(Stage("rest", 1),)))
-    (height, name, _), = base._bases(simulation.scene, simulation.model)
+    (height, name, _), = base.hard_bases(simulation.scene, simulation.model)
     assert height == -DEPTH
     return name.removeprefix("harder layer ")
 
@@ -126,18 +126,45 @@ def test_the_law_of_a_layer_pressed_by_a_fifth_is_about_what_was_measured(cells,
     assert (base.SQUEEZED + base.PRESSED * 0.2) / cells == pytest.approx(found, abs=0.1)
 
 
+@pytest.mark.parametrize("phi, friction, ratio, found", [
+    (10.0, 1.0, 4.0, (2.00, 1.23, 1.09)), (20.0, 1.0, 3.0, (2.2, 1.4, 1.13)), (20.0, 1.0, 4.0, (2.59, 1.62, 1.23)),
+    (20.0, 0.0, 4.0, (1.6, 1.3, 1.1))])
+def test_the_law_of_a_thin_layer_with_friction_is_about_what_was_measured(phi, friction, ratio, found):
+    """With 2, 4, 8 cells in it; and the size of cells asked for has the excess that is allowed."""
+    material, thick, width = Material(**SAND | {"friction_angle": phi}), 0.5, 0.5 * ratio
+    for cells, excess in zip((2, 4, 8), found):
+        law, size = base._with_friction(material, friction, thick, width, thick / cells)
+        assert 1.0 + law == pytest.approx(excess, rel=0.25 if cells == 2 else 0.09)
+    assert base._with_friction(material, friction, thick, width, size)[0] == pytest.approx(base.EXCESS)
+
+
+@pytest.mark.parametrize("thick, below, count", [(0.4, ROCK, 1), (1.0, ROCK, 0), (0.4, SAND, 0)])
+def test_a_strip_that_squeezes_a_thin_layer_of_soil_with_friction_on_a_harder_one(thick, below, count):
+    """Beside rock in the grid, its end below the rock is no end of the soil."""
+    simulation = strip_on(Material(**{**SAND, "cohesion": 1e3}), thick, below, -0.001, friction=1.0)
+    found = list(base.squeezed_layer(simulation.scene, simulation.model))
+    assert len(found) == count
+    assert all("presses 0.4 m of soil with friction, 2 cells of 0.2 m" in text for text in found)
+    ends = [text for text in margins.narrow_margins(simulation.scene, simulation.model) if "below it" in text]
+    assert len(ends) == (below is SAND)
+
+
 @pytest.mark.parametrize("thick, below, velocity, count", [
     (0.4, ROCK, -0.001, 1), (0.4, {**CLAY, "strength": 4 * STRENGTH}, -0.001, 1), (0.4, CLAY, -0.001, 0),
     (0.4, ROCK, 0.001, 0), (1.0, ROCK, -0.001, 0)])
 def test_a_strip_that_squeezes_a_thin_layer_of_clay_on_a_harder_one(thick, below, velocity, count):
     """1.6 m wide, in cells of 0.2 m."""
-    strip = Body(GEOMETRY / "box.geo", 1000.0, name="strip", position=(0.0, 0.5, 0.0), rest_on=0.0, adhesion=1.0,
-                 parameters={"length": 1.6, "width": 1.0, "height": 0.4, "size": 20.0}, held=("x", "ry"), driven=("z",),
-                 velocity=(0.0, 0.0, velocity))
-    grid = Grid(Axis(0.0, 4.0, 0.2), Axis(0.0, 1.0, collapsed=True), Axis(-2.0, 0.4, 0.2))
-    soil = Soil(Material(**CLAY), top=0.0, geostatic=False, layers=(layer_of(below, "under", top=-thick),))
-    simulation = build(Scene(name="strip", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), bodies=(strip,),
-                             time=Time(1.0, inertia=False), stages=(Stage("press", 2),)))
+    simulation = strip_on(Material(**CLAY), thick, below, velocity, adhesion=1.0)
     found = list(base.squeezed_layer(simulation.scene, simulation.model))
     assert len(found) == count
     assert all("presses 0.4 m of clay, 2 cells of 0.2 m" in text and "out is about 19% too high" in text for text in found)
+
+
+def strip_on(material, thick, below, velocity, **interface):
+    strip = Body(GEOMETRY / "box.geo", 1000.0, name="strip", position=(0.0, 0.5, 0.0), rest_on=0.0,
+                 parameters={"length": 1.6, "width": 1.0, "height": 0.4, "size": 20.0}, held=("x", "ry"), driven=("z",),
+                 velocity=(0.0, 0.0, velocity), **interface)
+    grid = Grid(Axis(0.0, 4.0, 0.2), Axis(0.0, 1.0, collapsed=True), Axis(-1.2, 0.4, 0.2))
+    soil = Soil(material, top=0.0, geostatic=False, layers=(layer_of(below, "under", top=-thick),))
+    return build(Scene(name="strip", grid=grid, soil=soil, gravity=(0.0, 0.0, 0.0), bodies=(strip,),
+                       time=Time(1.0, inertia=False), stages=(Stage("press", 2),)))

@@ -20,6 +20,20 @@ A strip that presses a thin layer of clay on a harder one squeezes it out sidewa
 strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cells in the layer, 1 + 0.36/n. Pressed by a
 fifth of the layer, B/5 over clay of five times the strength, 57, 20, 14 % over that of what is left of it: 1 + (0.36 +
 3 z/H)/n.
+
+In soil with friction the pressure grows from the edges inwards as exp(tan φ x/(0.425 h)) in a layer of thickness h, and the
+layer is as if it were 1.1 cells thinner. Load of a rough strip B on rock, ψ = 0, pressed by 0.04 h, 2, 4, 8 cells in the
+layer, over the value that they tend to (φ = 20°: a value by hand), and the law, (1 - 1.1/n)^-s with s = 1.2 (m e^m/(e^m
+- 1) - 1), m = (tan φ + μ) B/(1.7 h) and no friction μ of the body beyond tan φ:
+
+| φ, B/h  | found            | law              |
+|---------|------------------|------------------|
+| 10°, 3  | 1.73, 1.19, 1.06 | 1.39, 1.14, 1.06 |
+| 10°, 4  | 2.00, 1.23, 1.09 | 1.57, 1.20, 1.09 |
+| 10°, 6  | 2.46, 1.40, 1.15 | 2.05, 1.33, 1.14 |
+| 20°, 3  | 2.2, 1.4, 1.13   | 2.1, 1.35, 1.15  |
+| 20°, 4  | 2.59, 1.62, 1.23 | 2.8, 1.52, 1.21  |
+| μ = 0   | 1.6, 1.3, 1.1    | 1.6, 1.21, 1.09  |
 """
 
 import numpy as np
@@ -28,7 +42,7 @@ from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
 from hybrid.monitors.limits.loading import driven, loaded
-from hybrid.monitors.limits.materials import CLAY, law_at, material_at
+from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.shape import narrowest
 from hybrid.monitors.limits.start import initial_vertices
 from hybrid.runtime.comm import anywhere
@@ -39,6 +53,8 @@ HARDER = 4.0    # times the strength of the soil above, from which on a layer is
 SQUEEZED = 0.36  # over the cells in a layer of clay: excess of the load that presses it on a harder one
 PRESSED, MOST = 3.0, 0.2    # the same for each layer that it is pressed by, up to a share of it
 ON_IT = 0.1     # cells: a body nearer to a harder layer stands on it
+SHEARED, STEEP, OF_SLOPE = 1.1, 0.85, 1.2   # the same with friction: cells that it is thinner by; of m and s above
+LEFT, GROSS = 0.05, 2.0       # of the layer, at least; of a larger excess nothing more is said
 THIN = 0.5      # widths of a body: of a thicker layer the shear along the harder one does not decide
 AHEAD = 2.0     # cells from a body to the soil that it pushes
 
@@ -49,7 +65,7 @@ def body_on_base(scene, model):
     soil = model.soil
     if soil.held or not soil.law.plastic:
         return
-    bases, cell = list(_bases(scene, model)), soil.grid.smallest_cell
+    bases, cell = list(hard_bases(scene, model)), soil.grid.smallest_cell
     for described, body in zip(scene.bodies, model.bodies):
         place = initial_vertices(described, body)
         for height, name, least in bases:
@@ -60,7 +76,7 @@ def body_on_base(scene, model):
                 break
 
 
-def _bases(scene, model):
+def hard_bases(scene, model):
     """(height [m], name, cells above it from which on a foot counts) of the fixed base and of tops of harder layers."""
     grid, soil = model.soil.grid, scene.soil
     if scene.grid.faces.z_min == "fixed":
@@ -118,25 +134,39 @@ def _pushes(scene, described, body, place, soil, base):
 
 
 def squeezed_layer(scene, model):
-    """Bodies that press a layer of clay on a harder one, with so few cells in it that their load is too high by EXCESS."""
+    """Bodies that press a thin layer on a harder one, with so few cells in it that their load is too high by EXCESS."""
     soil = model.soil
     if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
         return
-    cell, tops = soil.grid.smallest_cell, [height for height, name, least in _bases(scene, model) if least == -CLEAR]
+    cell, tops = soil.grid.smallest_cell, [height for height, name, least in hard_bases(scene, model) if least == -CLEAR]
     moved = [(*found, -found[1][2]) for found in driven(scene, model)]
     moved += [(*found[:4], 0.0) for found in loaded(scene, model)]
     for body, travel, place, plane, way in moved:
         bottom = place[:, 2].min()
         top = max((height for height in tops if height < bottom - ON_IT * cell), default=None)
-        if top is None or not plane or travel[2] >= 0.0 or law_at(scene, soil, bottom - 0.5 * cell) != CLAY:
+        if top is None or not plane or travel[2] >= 0.0:
             continue
-        thick = bottom - top
-        number = SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
-        excess = number * cell / thick
-        if thick < THIN * narrowest(soil.grid, place, travel) and excess > EXCESS:
-            yield (f"{body.name} presses {thick:.3g} m of clay, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
-                   f" the load that squeezes it out is about {excess:.0%} too high, limit {EXCESS:.0%}. "
-                   f"{smaller_cells(EXCESS / number * thick, ' under it')}")
+        thick, width = bottom - top, narrowest(soil.grid, place, travel)
+        material = material_at(scene, soil, bottom - 0.5 * cell)
+        if material.friction_angle:
+            kind, (excess, size) = "soil with friction", _with_friction(material, body.friction, thick, width, cell)
+        else:
+            kind, number = "clay", SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
+            excess, size = number * cell / thick, EXCESS / number * thick
+        if thick < THIN * width and excess > EXCESS:
+            yield (f"{body.name} presses {thick:.3g} m of {kind}, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
+                   f" the load that squeezes it out is {'more than' if excess > GROSS else 'about'} "
+                   f"{min(excess, GROSS):.0%} too high, limit {EXCESS:.0%}. "
+                   f"{smaller_cells(size, ' under it')}")
+
+
+def _with_friction(material, friction, thick, width, cell):
+    """(Excess of the load [-], size [m] of cells with EXCESS) of a layer `thick` [m] under a body of a `width` [m]."""
+    slope = np.tan(np.radians(material.friction_angle))
+    m = 0.5 * (slope + min(friction, slope)) * width / (STEEP * thick)
+    power = OF_SLOPE * (m / -np.expm1(-m) - 1.0)
+    left = max(1.0 - SHEARED * cell / thick, LEFT)
+    return left**-power - 1.0, (1.0 - (1.0 + EXCESS) ** (-1.0 / power)) * thick / SHEARED
 
 
 LIMITS = (body_on_base, squeezed_layer)

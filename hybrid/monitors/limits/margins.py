@@ -18,6 +18,7 @@ with 0.5 of its diameter before and behind it, 4 % with one diameter.
 
 import numpy as np
 
+from hybrid.monitors.limits.base import hard_bases
 from hybrid.monitors.limits.loading import driven, loaded
 from hybrid.monitors.limits.materials import SAND, material_at
 from hybrid.monitors.limits.start import covers, initial_vertices, top_of
@@ -55,8 +56,10 @@ def narrow_margins(scene, model):
             if gap is not None and gap < beside * width:
                 yield _text(body, width, gap, f"beside it at {where}", beside,
                             f"{where[0]}.window" if "window" in where else where[0])
-        below = place[:, 2].min() + (0.0 if by_force else travel[2]) - extent(model.soil.constants, 2)[0]
-        ends_there = scene.grid.faces.z_min != "free"
+        bottom, end = place[:, 2].min() + (0.0 if by_force else travel[2]), extent(model.soil.constants, 2)[0]
+        below = bottom - end
+        on_rock = any(end < height < bottom for height, *_ in hard_bases(scene, model))     # which the soil ends at, in truth
+        ends_there = scene.grid.faces.z_min != "free" and not on_rock
         if np.isfinite(width) and -0.1 * width < below < deep * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", deep, "z")
 
