@@ -58,6 +58,12 @@ def test_the_law_of_round_bases_is_what_was_measured(across, shallow, deep):
         assert found / exact == pytest.approx((1 + cells.ROUND_BASE / across) ** 2, abs=0.04)
 
 
+@pytest.mark.parametrize("across, found", [(4, 0.066), (6, 0.010), (8, -0.003)])
+def test_the_law_of_a_round_footing_at_its_capacity_is_about_what_was_measured(across, found):
+    """Smooth, pressed by 0.02 of its diameter: hardly deeper than its soil yields."""
+    assert (1 + 0.02 * cells.ROUND_SUNK / across) ** 2 - 1 == pytest.approx(found, abs=0.03)
+
+
 def test_a_disc_pressed_into_clay_on_few_cells():
     """Square ones are told by their edges and depth; a disc that is lifted parts from the clay."""
     def pressed(speed, size=0.5):
@@ -70,7 +76,7 @@ def test_a_disc_pressed_into_clay_on_few_cells():
 
     text, = pressed(-0.01)
     assert "is 4 cells wide" in text and "about" not in text and "up to 27% too high" in text and "Use smaller cells" in text
-    assert not pressed(-0.01, 0.125) and not pressed(0.01)
+    assert not pressed(-0.01, 0.125) and not pressed(0.01) and not pressed(-0.002)
 
 
 def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size", 0.5)), top="fixed", below=4.0):

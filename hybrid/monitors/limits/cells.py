@@ -2,7 +2,7 @@
 
     attached to clay on all sides, deep                   Π (1 + 1.75/n)     over the sides, n cells across;
                                                                              1.5 for 1.75 of round outlines
-    round, pushed in from its surface, attached or not    Π (1 + 0.5/n)      over the sides, whatever the depth
+    round, pushed in from its surface, attached or not    Π (1 + r/n)        over the sides, r = 5 z/B, 0.5 at most
     pushed into clay by a depth z, its width B            Π (1 + (0.3 e + 2 z/B)/n)    over the sides, e = 0, 1, 2 of whose
                                                                              edges are on lines of the grid; z <= B
     attached and lifted from its surface                  the same, z = 0
@@ -43,8 +43,9 @@ SHALLOW_PLATE = 0.9
 # with 4.5, 8.5 cells, towards 7.4; 7.6, 6.8, 6.5 of a strip with 4.5, 8.5, 16.5, towards 6.3
 SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, narrower ones are reported by `unjudged`
 # Smooth discs of 4, 6, 8 cells, E = 500 s_u: 7.6, 7.0, 6.8 s_u A at z = 0.1 B, 9.3, 8.4, 8.3 at 0.3 B, towards 6.0 and 7.3;
-# half of that excess with 5 and 7 cells, an outline that ends between lines of the grid
-ROUND_BASE = 0.5
+# half of that excess with 5 and 7 cells, an outline that ends between lines of the grid; 6.6, 1.0, -0.3 % over 5.69 with 4,
+# 6, 8 cells at 0.02 B
+ROUND_BASE, ROUND_SUNK = 0.5, 5.0
 # Round, two widths deep, α = 1: 14.6, 13.7, 13.1 s_u A with 4, 6, 8 cells pushed in, 12.7, 12.6, 12.3 lifted
 SHALLOW_ROUND = 0.5
 # Factor on EDGE: an inclined load at V = 4 of 5.14, one at an eighth of the width beside the centre
@@ -251,7 +252,8 @@ def _foot_on_lines(scene, model, body, travel, place, foot, depth):
         if axis is None:
             continue
         if not leads(body, place, direction):   # a round outline crosses lines of the grid everywhere
-            excess *= 1.0 + (ROUND_BASE * grid.resolution / width if travel[2] < 0.0 else 0.0)
+            by_depth = ROUND_SUNK * sunk if np.isfinite(depth) else np.inf      # loaded, it goes as deep as it can
+            excess *= 1.0 + (min(ROUND_BASE, by_depth) * grid.resolution / width if travel[2] < 0.0 else 0.0)
             narrow = min(narrow, width / grid.resolution)
             continue
         nodes, cell = grid.lines[axis], np.diff(grid.lines[axis]).min()

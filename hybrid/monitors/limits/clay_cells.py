@@ -41,7 +41,6 @@ LOWER = 1.4         # cells that the wedge is lower than the wall
 IN_CLAY = Wedge("clay", 1.5, "30 to 72 % over the wedge's load with 10 cells, 15 to 43 % with 20")
 IN_SPACE = Wedge("clay", 1.0, IN_CLAY.inclined, in_space=". A blade 0.8 m wide and 0.2 m deep, α = 0.5, took 4.7 and 3.7 kN "
                  "with 2 and 4 cells, by hand 3.0 kN", least=1.0)
-ALONG = 0.1         # sine of the angle between a travel and the ground
 AROUND, ROUGH = 3.0, 1.5    # 18, 8.5, 5.1, 2.9 % with 4, 6, 8, 12 cells; 9.4, 4.9, 3.3 % (demos/random/README.md)
 # Smooth, 15, 10, 7, 4 % with 4, 5, 6, 8 cells over 16, from a depth of 0.1 widths on; laid by a load it is 0.63 and 0.92 of
 # the depth on 16 cells deep with 4 and 8
@@ -63,8 +62,6 @@ HEAVIER = 2 / 3
 SHARED = 1.05       # cells: soil on both sides of a thinner plate shares nodes
 FLOWS = 3.0         # widths: around a plate so far under the ground clay flows
 COVERED = 1.0       # widths of clay above a body that all of the clay flows around
-SHORT = 0.05        # of its length: a strip that slides by 0.04 bears α s_u B to 5 %, on 10 and 20 cells, α = 1 and 0.5
-SUNK = 0.25         # of its length: a body that has its base deeper in the clay does not slide over it
 
 
 def drawn_walls(scene, model):
@@ -87,21 +84,6 @@ def clay_walls(scene, model):
     for body, place, travel, depth in free_walls(scene, model, {CLAY}):
         yield from _active(scene, model.soil, body, place, travel, depth.behind, "retains",
                            "where it gives way, the pressure of the clay is")
-
-
-def attached_slides(scene, model):
-    """Bodies driven along the top of clay that never breaks away from them."""
-    soil = model.soil
-    for body, travel, place, _ in driven(scene, model):
-        across, bottom = np.ptp(place @ travel) / np.linalg.norm(travel), place[:, 2].min()
-        along = abs(travel[2]) < ALONG * np.linalg.norm(travel) and bottom > top_of(soil) - SUNK * across
-        along &= np.linalg.norm(travel) > SHORT * across
-        law = law_at(scene, soil, bottom - 0.5 * soil.grid.resolution)
-        if stays_attached(body, soil) and along and law == CLAY:
-            yield (f'{body.name} is driven along the top of clay by {np.linalg.norm(travel) / across:.2g} of its length, '
-                   f'limit {SHORT:g}, with body.tension = "full": what its rear edge leaves stays on it and holds it back, '
-                   "a strip on 10 and 20 cells by up to 14 and 26 % of α s_u B with α = 1, by 33 and 45 % with 0.5, after "
-                   "a fifth of its length. Leave body.tension out, or give the tension [Pa] that the clay bears")
 
 
 def flow_around(scene, model):
@@ -298,5 +280,5 @@ def _critical_height(scene, soil, place, travel):
     return 4.0 * strength / (mass * -scene.gravity[2]) if volume else None
 
 
-LIMITS = (drawn_walls, pushed_walls, clay_walls, attached_slides, flow_around, pushed_pipes, laid_pipes, lifted_plates,
+LIMITS = (drawn_walls, pushed_walls, clay_walls, flow_around, pushed_pipes, laid_pipes, lifted_plates,
           balls, penetrators)

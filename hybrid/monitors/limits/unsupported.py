@@ -117,7 +117,7 @@ def _toppling(scene, soil, body, whole, place, centre):
         return ""
     angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
     travels = np.column_stack([np.cos(angles), np.sin(angles)])
-    about = np.where(soil.grid.collapsed[[1, 0]], False, body.free[[4, 3]])     # ry topples along x, rx along y
+    about = np.where(soil.grid.collapsed[:2], False, body.free[[4, 3]])     # ry topples along x, rx along y
     if not about.any():
         return ""
     travels = travels[(np.abs(travels) < 1e-9)[:, ~about].all(axis=1)]
