@@ -248,6 +248,16 @@ def test_a_footing_on_sand_with_weight(table):
     assert "rising with the distance moved as the sand dilates" in text
 
 
+@pytest.mark.parametrize("deep, told, part", [(-0.5, True, False), (-3.0, True, True), (-4.5, False, False)])
+def test_a_footing_that_lies_deep_in_sand_has_little_of_its_load_from_the_weight_under_it(deep, told, part):
+    """2 m wide."""
+    described = strip(**PRESSED)
+    described = replace(described, bodies=(replace(described.bodies[0], rest_on=deep),),
+                        grid=replace(described.grid, z=Axis(start=-7.0, end=1.0, size=0.25)))
+    found = texts(sand_cells.footings, described)
+    assert len(found) == told and all(("a part of its load at this depth" in text) == part for text in found)
+
+
 def test_a_strip_in_a_slice_that_is_not_left_out_is_no_square():
     described = strip(**PRESSED)
     text, = texts(sand_cells.footings, described)

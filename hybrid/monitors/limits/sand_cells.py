@@ -33,7 +33,8 @@ SQUARE = 4.2                    # of a square one: 377 and 280 kPa with 4 and 8 
 # 92 kN/m; smooth, φ = 33°, ψ = 5°: 42, 27, 24, 22, 20 and 57, 42, 37, 37, 31
 PIPE = 2.5
 LAID = 0.25                     # cells: a body that goes less deep lies on the ground
-SHALLOW = 1.0                   # widths under the ground: what goes deeper is no footing
+# Widths under the ground: what goes deeper is no footing; a wall 1.25 of its width deep, φ = 33°, 28 and 8 % with 4, 8 cells
+SHALLOW, BURIED = 2.0, 0.5      # BURIED: from here on the sand beside it carries more than N_γ does
 DEEP = 1.5                      # widths under a footing: of sand one wide over clay it bore 3 % too much with 10 cells
 LEVEL = 0.5                     # up or down over sideways: a blade 11° downwards had 16 % less with half the cells
 # Depths: sand that presses a wall from behind counts where it is so much deeper, K_p/K_a = 11 times the pressure.
@@ -131,12 +132,13 @@ def footings(scene, model):
             continue        # the base is punched through the sand into it
         strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
+        part = ", a part of its load at this depth," if bottom < top_of(soil) - BURIED * width else ""
         if excess > EXCESS and not covers(place, soil):
             less = "the difference"
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"
             yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what "
-                   f"the sand's own weight lets it carry (N_γ) is about {excess:.0%} too high, more if the base is "
+                   f"the sand's own weight lets it carry (N_γ){part} is about {excess:.0%} too high, more if the base is "
                    f"smooth{_rising(material)}, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of cells "
                    f"half as large less {less}")
 

@@ -94,8 +94,8 @@ def plastic_locking(scene, model):
     if anywhere(law.parameters[:, STRENGTH] < UNLIMITED):
         names = sorted({f'"{m.law}"' for m in materials(scene.soil) if m.law != "hencky"})
         yield (f"soil.material.law = {', '.join(names)}: plastic strain at nearly constant volume locks without F-bar, "
-               "so that collapse loads are too high: of a footing on clay by 14 % with 8 cells in half its width, 23 % "
-               "with 4 and 39 % with 2, limit 5 %; a drag anchor stays 0.3 m too high with cells of 0.3 m. Leave out "
+               "so that collapse loads are too high: of a footing on clay by 14 to 33 % with 8 cells in half its "
+               "width, by 39 to 85 % with 2, limit 5 %; a drag anchor stays 0.3 m too high with cells of 0.3 m. Leave out "
                'soil.fbar = false and method = "published"')
 
 
