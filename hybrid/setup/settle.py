@@ -65,8 +65,8 @@ def settle(model, state, length):
             if _imbalance(still, found, length, workspace).share < BALANCED:
                 break
     except StepError as error:
-        retained = (" Sand that a body holds back begins without pressure beside it, where it has no strength: a wall of "
-                    "2.5 m stood with a cohesion of 2 kPa, and not with 0.5 kPa.") if model.bodies else ""
+        retained = (" Sand that a body holds back begins without pressure beside it, where it has no strength: give "
+                    "it some cohesion. Beside walls of 2 to 2.5 m 2 kPa was enough, also without inertia.") if model.bodies else ""
         raise SceneError(
             "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides: "
             "flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on by "
