@@ -52,9 +52,9 @@ class RigidBody:
     parts: SurfaceParts whose contact forces are reported apart, None where the geometry names none
     mirrors: planes of symmetry that it lies in; unmirrored_cut: whether it has a cut face that lies in none
     places: where contact is evaluated on the domains of soil points (`hybrid.contact.places`)
-    narrowest: width [m] of the narrowest face whose edges were rounded off in cells as wide or wider; inf without one
-    surface: in contact with soil; on soil that yields or that it is driven into the outline with its sharp edges rounded
-    off (`hybrid.body.rounded`)
+    narrowest: width [m] of the narrowest face between sharp edges in cells as wide or wider; inf without one
+    surface: in contact with soil; on soil that yields the outline with its sharp edges rounded off (`hybrid.body.rounded`)
+    soft_edges: `hybrid.contact.soft_edges.SoftEdges` of a body on elastic soil, None without
     outline: ContactSurface of the geometry, as it is drawn; None: `surface`
     friction: μ, inf where adhesion alone limits the shear; interface: `hybrid.contact.interface.Interface`, None without
     penalty: p_f [1/m], or on held soil p_f E [N/m³]; contact_pressure: (n,) p_f E [N/m³] against each soil point, given
@@ -82,6 +82,7 @@ class RigidBody:
     drive_rate: np.ndarray | None = None
     stages: tuple[StageControl, ...] = ()
     interface: object = None
+    soft_edges: object = None
     mirrors: tuple[Mirror, ...] = ()
     unmirrored_cut: bool = False
     parts: SurfaceParts | None = None

@@ -7,10 +7,11 @@ on each side with its edges on grid lines, and by up to 0.8 cells with its edges
 
     d = min(h/2, ρ/2)        h smallest cell, ρ largest distance of a point of the face from its edges
 
-on, on soil that yields or that it is driven into, the load is, on average over all places of the edge in a cell, that of
-the footing itself. d vanishes with the cells; with ρ narrow faces keep contact. An edge is convex and bends by more than
-SHARP_ANGLE at both of its ends; the rim of a cut through the body is none. Edges of triangles that run from the apex of
-a cone bend there only, and are none of the cone: rounded off, its tip would sink in by a cell before it touches.
+on, on soil that yields or that it is driven along, the load is, on average over all places of the edge in a cell, that of
+the footing itself; other elastic soil has soft springs there (`hybrid.contact.soft_edges`). d vanishes with the cells;
+with ρ narrow faces keep contact. An edge is convex and bends by more than SHARP_ANGLE at both of its ends; the rim of a
+cut through the body is none. Edges of triangles that run from the apex of a cone bend there only, and are none of the
+cone: rounded off, its tip would sink in by a cell before it touches.
 """
 
 from typing import NamedTuple

@@ -132,6 +132,8 @@ def find_contact_points(soil, body, state, history, reach, expected, limits=None
     if domains.ground is None and not places.at_corners:
         found["outward"] = places.normal[places.group_of(place)]
     stiffness = body.contact_pressure[point] * area
+    if body.soft_edges is not None:
+        stiffness *= body.soft_edges.shares(start)
     points = ContactPoints(start=start, node=node[use], weight=weight[use], stiffness=stiffness, **found)
     is_open = ~points.touching
     points.anchor[is_open], points.side[is_open] = predicted_contact_points(

@@ -119,7 +119,7 @@ def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState);
     alone: whether there is no other body."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
-    connected = connect_to_soil(described, body, motion.rotation, soil, gravity, alone)
+    connected = connect_to_soil(described, body, motion, soil, gravity, alone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
     connected = replace(connected, unmirrored_cut=unmirrored_cut(mesh, mirrors), parts=parts)

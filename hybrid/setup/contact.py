@@ -19,12 +19,14 @@ from hybrid.body.rounded import round_off
 from hybrid.body.sharp_edges import find_edges, narrowest_face
 from hybrid.contact import places
 from hybrid.contact.cover import Cover
+from hybrid.contact.soft_edges import ends_of, soft_edges
 from hybrid.runtime.comm import anywhere, minimum
-from hybrid.setup.bearing import bears, stands_on
+from hybrid.setup.bearing import base_share, bears, stands_on
 from hybrid.setup.foot import standing_overlap
 from hybrid.setup.interface import friction_of, interface_of
 from hybrid.setup.penalty import REST_CURVATURE, penalty, rests, rests_on_elastic_soil
 from hybrid.setup.plane_strain import in_slice
+from hybrid.soil.points import extent
 
 FEWEST, MOST, MOST_THIN = 4, 32, 128    # places along a face; of one that a thin body stands on
 ROUND_OFF = 1e-9        # of their number: halves and wholes of a body have as many
@@ -32,29 +34,58 @@ CURVATURE = 16          # spacings in a radius of curvature; REST_CURVATURE wher
 # Places across the narrower side of a body with plane faces over held soil: the lever arm by which its weight resists a load
 # ends at the outermost one. A box of 0.4 x 0.4 x 1 m tipped at 0.86 to 1.0 of W b/h with 13 across, by where it stood.
 ACROSS = 32
+FLUSH = 1e-3            # of a cell, between an edge and the end of the soil at which it lies
 
 
-def connect_to_soil(described, body, rotation, soil, gravity, alone):
-    """The body, at an initial `rotation` (3, 3), with all of its contact that follows from `soil`; gravity (3,) [m/s²];
+def connect_to_soil(described, body, motion, soil, gravity, alone):
+    """The body, at its BodyState at the start, with all of its contact that follows from `soil`; gravity (3,) [m/s²];
     alone: whether there is no other body. Raises SceneError."""
+    rotation = motion.rotation
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
     if described.adhesion is not None and not anywhere(soil.law.undrained):     # there is no clay in the grid
         described = replace(described, adhesion=None)
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
     interface, sharp = interface_of(described, mixed), body.surface
-    if not (soil.held or chosen.at_corners or rests_on_elastic_soil(body, soil, gravity)):
-        edges = find_edges(body.surface, soil.grid.smallest_cell, rotation[soil.grid.collapsed])
-        body = replace(body, surface=round_off(body.surface, edges),
-                       narrowest=narrowest_face(edges, soil.grid.smallest_cell))
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
     stands = alone and stands_on(described.rest_on, soil, gravity)
     body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
     body = replace(body, places=chosen, penalty=penalty(described, body, rotation, soil, spacing, radius, gravity))
+    if not (soil.held or chosen.at_corners):
+        body = _beside_edges(described, body, motion, soil, gravity)
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described, mixed), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
+
+
+def _beside_edges(described, body, motion, soil, gravity):
+    """The body with contact beside its sharp edges that suits the soil: these are rounded off where it flows, or comes to
+    lie inside the body as that slides along, and soft where the soil is elastic."""
+    surface, cell = body.surface, soil.grid.smallest_cell
+    edges = find_edges(surface, cell, motion.rotation[soil.grid.collapsed])
+    carried = rests_on_elastic_soil(body, soil, gravity)
+    flows = soil.law.plastic and not body.below_capacity
+    pointed = body.driven[2] and not base_share(body.outline, motion.rotation)
+    slides = not carried and (
+        pointed or described.pull or any((described.velocity or ())[:2]) or body.driven[:2].any())
+    if not carried:
+        body = replace(body, narrowest=narrowest_face(edges, cell))
+    if flows or slides:
+        return replace(body, surface=round_off(surface, edges))
+    ends = ends_of(surface, edges)
+    ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T)]
+    return replace(body, soft_edges=soft_edges(ends, body.penalty, cell))
+
+
+def _at_ends_of(soil, edges):
+    """(e,) bool, whether edges with ends (e, 2, 3) [m] lie at an end of the soil or beyond it, as those of a platen."""
+    found = np.zeros(len(edges), bool)
+    for axis in np.flatnonzero(~soil.grid.collapsed[:2]):
+        low, high = extent(soil.constants, axis)
+        near = FLUSH * soil.grid.smallest_cell
+        found |= (edges[..., axis] < low + near).all(axis=1) | (edges[..., axis] > high - near).all(axis=1)
+    return found
 
 
 def _cover(surface, soil, rotation):

@@ -66,7 +66,8 @@ def settle(model, state, length):
                 break
     except StepError as error:
         retained = (" Sand that a body holds back begins without pressure beside it, where it has no strength: give "
-                    "it some cohesion. Beside walls of 2 to 2.5 m 2 kPa was enough, also without inertia.") if model.bodies else ""
+                    "it some cohesion. Beside walls of 2 to 2.5 m 2 kPa was enough, also without inertia."
+                    ) if model.bodies else ""
         raise SceneError(
             "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides: "
             "flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on by "

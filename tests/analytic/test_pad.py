@@ -38,11 +38,11 @@ def settlement(*given, **more):
 
 def test_four_cells_settle_as_on_elastic_soil_and_as_six_do():
     found, elastic = settlement(4), settlement(4, "hencky")
-    assert found == pytest.approx(elastic, rel=0.01) == pytest.approx(settlement(6), rel=0.03)
+    assert found == pytest.approx(elastic, rel=0.001) == pytest.approx(settlement(6), rel=0.01)
 
 
 def test_with_the_springs_of_soil_that_flows_it_settles_too_much():
-    assert settlement(4, penalty=20 * 4 / WIDTH) > 1.2 * settlement(4, "hencky")
+    assert settlement(4, penalty=20 * 4 / WIDTH) > 1.03 * settlement(4, "hencky")
 
 
 @pytest.mark.parametrize("geometry, parameters, rotation, expected", [

@@ -96,7 +96,8 @@ def found_in_bed(surface, body, history=None, active=None, reach=0.08, seed=1, p
     active = np.ones(grid.node_count, bool) if active is None else active
     begins, history = history is None, history or ContactHistory.empty()
     expected = displacement, pose or (body.position, body.rotation)
-    rigid = SimpleNamespace(contact_pressure=np.full(len(position), PRESSURE), places=places, surface=surface)
+    rigid = SimpleNamespace(contact_pressure=np.full(len(position), PRESSURE), places=places, surface=surface,
+                            soft_edges=None)
     return grid, find_contact_points(SoilSurface(domains_of(position, half, included), grid, active), rigid, body, history,
                                      Reach(reach, 0.0), expected, begins=begins)
 

@@ -120,7 +120,8 @@ def test_count_of_a_search_without_the_boxes_of_the_tree_grows_with_the_triangle
 
 def small_and_large_plate(counted, contact):
     """Distances evaluated for each contact point near a plate and near one with nine times the area."""
-    plates = [steel(edge, edge, 0.1, position=(1.0, 1.0, 0.0), rest_on=0.0, friction=0.3, contact=contact)
+    plates = [steel(edge, edge, 0.1, position=(1.0, 1.0, 0.0), rest_on=0.0, friction=0.3, contact=contact,
+                    velocity=(0.1, 0.0, 0.0))
               for edge in (0.5, 1.5)]
     (small, _, few), (large, _, many) = (counted(plate, 20) for plate in plates)
     assert len(large.points) > 4 * len(small.points)

@@ -23,7 +23,8 @@ def pair_of(places="faces", friction=0.3, history=None, included=True):
     grid, position, half = bed()
     body = SimpleNamespace(
         surface=ball(), friction=friction, tangential=0.5, places=PLACES[places],
-        free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE))
+        free=np.array([True, True, True, False, True, True]), contact_pressure=np.full(len(position), PRESSURE),
+        soft_edges=None)
     soil = SoilSurface(domains_of(position, half, included), grid, np.ones(grid.node_count, bool))
     return grid, ContactPair(soil, body, body_at(*POSE), history or ContactHistory.empty(), Reach(0.08, 0.0),
                              (np.zeros((grid.node_count, 3)), POSE), begins=history is None)

@@ -39,7 +39,7 @@ def pair_of(surface, height, history=None, tension=0.0, shear=SHEAR, sharp=None,
     begins: whether the run does, left out: without history."""
     grid, position, half = bed()
     body = SimpleNamespace(surface=surface, friction=np.inf, tangential=0.5, places=rules.faces(4), free=np.ones(6, bool),
-                           contact_pressure=np.full(len(position), PRESSURE))
+                           contact_pressure=np.full(len(position), PRESSURE), soft_edges=None)
     pose = np.array([0.4, 0.4, height]), np.eye(3)
     limits = PointLimits(np.full(len(position), shear), tension, sharp)
     soil = SoilSurface(domains_of(position, half), grid, np.ones(grid.node_count, bool))
@@ -158,7 +158,7 @@ def ball_in_a_bed(radius, height, tension=0.0):
     domains = domains_of(position, half, ~inside)
     body = SimpleNamespace(surface=ball(radius), friction=np.inf, tangential=0.5, places=rules.faces(8),
                            free=np.ones(6, bool),
-                           contact_pressure=np.full(len(position), PRESSURE))
+                           contact_pressure=np.full(len(position), PRESSURE), soft_edges=None)
     limits = PointLimits(np.full(len(position), SHEAR), tension)
 
     def pair(history):

@@ -109,7 +109,7 @@ def test_a_free_wall_in_front_of_clay():
 def test_a_strip_slides_over_clay_which_stays_attached_with_the_force_of_its_base(adhesion):
     """α s_u B, over a fifth of its width, on 10 cells: the grid goes along with it."""
     strip = body("box.geo", {"length": 1.0, "width": 1.0, "height": 0.3, "size": 20.0}, position=(0.0, 0.5, 0.15),
-                 driven=("x",), held=("y", "z", "rx", "ry", "rz"), velocity=(0.01, 0.0, 0.0), adhesion=adhesion, tension="full")
+                 driven=("x",), held=HELD, velocity=(0.01, 0.0, 0.0), adhesion=adhesion, tension="full")
     grid = Grid(Axis(start=-2.0, end=2.4, size=0.1), slice_(), Axis(start=-1.0, end=0.3, size=0.1), Faces(z_min="fixed"))
     soil = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1.0, strength=1e4), top=0.0, geostatic=False)
     simulation = build(scene("strip", grid, soil, [strip], Time(1.0, inertia=False), 20, (0.0, 0.0, 0.0)))

@@ -154,8 +154,8 @@ def squeezed_layer(scene, model):
             kind, number = "clay", SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
             excess, size = number * cell / thick, EXCESS / number * thick
         if thick < THIN * width and excess > EXCESS:
-            yield (f"{body.name} presses {thick:.3g} m of {kind}, {thick / cell:.2g} cells of {cell:.3g} m, on a harder layer:"
-                   f" the load that squeezes it out is {'more than' if excess > GROSS else 'about'} "
+            yield (f"{body.name} presses {thick:.3g} m of {kind}, {thick / cell:.2g} cells of {cell:.3g} m, on a harder "
+                   f"layer: the load that squeezes it out is {'more than' if excess > GROSS else 'about'} "
                    f"{min(excess, GROSS):.0%} too high, limit {EXCESS:.0%}. "
                    f"{smaller_cells(size, ' under it')}")
 

@@ -76,7 +76,7 @@ REACHED, RISING, FARTHEST = 8.0, 0.3, 35.0          # w E/(B c N_c) of those, po
 LIFTED, PIPE, IN_SPACE = 3.0, 2.0, 2.0  # cells that a plate, a pipe, a plate in space lifted out of sand seem wider
 # Widths: deeper plates let sand flow around them; at 5 with 4 cells 46 % over the same law, which has 22 %
 DEEPEST = 6.0
-UPRIGHT = 0.9           # up over the whole travel: plates pulled obliquely have the excess (28 % with 6 cells at 45°), not the load
+UPRIGHT = 0.9           # up over the whole travel: plates pulled obliquely have the excess (28 % at 45°), not the load
 SMALL_BOND = 0.05       # widths of a plate: what cohesion adds less is not said
 SMOOTH = 0.65           # of the excess, where the base is smooth
 SHALLOW = 1.0           # widths under the ground: what goes deeper is no footing

@@ -58,7 +58,7 @@ def narrow_margins(scene, model):
                             f"{where[0]}.window" if "window" in where else where[0])
         bottom, end = place[:, 2].min() + (0.0 if by_force else travel[2]), extent(model.soil.constants, 2)[0]
         below = bottom - end
-        on_rock = any(end < height < bottom for height, *_ in hard_bases(scene, model))     # which the soil ends at, in truth
+        on_rock = any(end < height < bottom for height, *_ in hard_bases(scene, model))   # which the soil ends at, in truth
         ends_there = scene.grid.faces.z_min != "free" and not on_rock
         if np.isfinite(width) and -0.1 * width < below < deep * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", deep, "z")
