@@ -19,7 +19,7 @@ half of that, and the run ended. What bodies that are laid on one another lose a
 
 import numpy as np
 
-from hybrid.monitors.absorbed_impact import least_energy, motion_energy
+from hybrid.monitors.absorbed_impact import BROUGHT, least_energy, motion_energy
 from hybrid.monitors.monitor import Monitor
 
 LOST = 0.12         # of the kinetic energy of all bodies; ten increments in the contact time lose 4 %
@@ -45,15 +45,18 @@ class ImpactLoss(Monitor):
         self._before = None                     # [J], the error before bodies came near, None while they are apart
         # Largest energy [J] of their motion since then; steps for which nothing has happened
         self._largest, self._quiet = 0.0, 0
+        self._work = self._brought = 0.0        # [J], that of loads, lines and drives at the last step, and since then
         self._lost = self._of = 0.0             # [J], in all impacts that were reported, and the largest energy before one
         self._hit = False                       # whether bodies have pressed one another since then
 
     def follow(self, view):
         """(loss of the present impact [J], whether it is over and too large) at a StepView."""
         error, kinetic = view.energy["error"], self.motion(view)
+        work = sum(view.energy.get(name, 0.0) for name in BROUGHT)
         change = abs(error - self._error)
         if self._before is None:    # steps apart cost nothing, so each begins afresh
-            self._before, self._largest, self._quiet = self._error, self._kinetic, 0
+            self._before, self._largest, self._quiet, self._brought = self._error, self._kinetic, 0, 0.0
+        self._brought, self._work = self._brought + abs(work - self._work), work
         self._error, self._kinetic, self._largest = error, kinetic, max(self._largest, kinetic)
         self._quiet = 0 if view.bodies_in_contact or change > STEADY * self._largest else self._quiet + 1
         loss = self._before - error
@@ -134,7 +137,8 @@ class GroundImpact(ImpactLoss):
         loss, found = self.follow(view)
         self._touched, self._most = self._touched or view.touches_soil, max(self._most, self._largest)
         self._hit |= view.bodies_in_contact or near(view)
-        found = found and (soil.held or not self._hit and loss > ON_SOIL * self._largest > ON_SOIL * LATER * self._most)
+        on_soil = loss > ON_SOIL * (self._largest + self._brought) and self._largest > LATER * self._most
+        found = found and (soil.held or not self._hit and on_soil)
         if found and self._touched and self._largest > least_energy(view.model):
             yield self._message(view, loss)
         self._hit = self._quiet < QUIET and self._hit

@@ -138,8 +138,9 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
 
 
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_contact=(), near=(), plastic=True, speeds=None,
-              **scheme):
-    """The same of the monitor of held ground, for a body that touches it at the steps `touching`; speeds: its own [m/s]."""
+              load=0.0, **scheme):
+    """The same of the monitor of held ground, for a body that touches it at the steps `touching`; speeds: its own [m/s];
+    load: work of loads in a step [J]."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.ones(6, bool), radius=radius)
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
@@ -150,7 +151,7 @@ def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_conta
         model = SimpleNamespace(bodies=(body,), pairs=(), soil=soil, gravity=np.array([0.0, 0.0, -gravity]))
         found += monitor.notes(StepView(model, SimpleNamespace(time=float(step), bodies=(motion,)),
                                         SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report,
-                                        {"error": error}))
+                                        {"error": error, "load": load * step}))
     return found, monitor.later()
 
 
@@ -185,6 +186,12 @@ def test_what_is_left_of_a_body_that_elastic_soil_brakes_is_no_impact():
     assert on_ground([0.0] * 10 + late, speeds=[1.0] * 20, **elastic | {"radius": 1e-3})[0]
     text, = on_ground([0.0, 0.0, *[-44.0] * 9], **elastic)[0]
     assert text.startswith("impact on elastic soil: 44 J of the 100 J")
+
+
+def test_a_body_that_a_load_moves_on_elastic_soil_has_hit_nothing():
+    """What is lost is little beside the work of the load: a plate on a column, of which waves go down."""
+    elastic, lost = {"held": False, "plastic": False, "touching": range(30)}, [0.0, 0.0, *[-44.0] * 9]
+    assert on_ground(lost, load=20.0, **elastic) == ([], {}) and on_ground(lost, load=1.0, **elastic)[0]
 
 
 @pytest.mark.parametrize("other", [{"touching": ()}, {"held": False}, {"first_order": True}, {"inertia": False},
