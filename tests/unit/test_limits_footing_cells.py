@@ -238,12 +238,14 @@ def test_a_plate_lifted_out_of_sand():
 
 
 def test_what_cohesion_adds_to_a_lifted_plate_and_which_load_is_meant():
-    """2 c cos φ H on both sides, which cells do not change: 0.104 m of sand of 1700 kg/m³. Drawn obliquely, the load of an
+    """2 c cos φ H of soil that keeps its volume, which cells do not change: 0.104 m of sand of 1700 kg/m³. Drawn obliquely, the load of an
     upright way is not named."""
     clayey = SAND | {"cohesion": 1e3, "density": 1700.0}
     text, = texts(**LIFT | {"material": clayey})
     assert "about 27% too high" in text and "over γ H (B + 0.29 H) + 0.1 γ H, that of" in text
     assert not texts(**LIFT | {"material": clayey | {"cohesion": 3e4}})
+    dilates = Material("mohr-coulomb", friction_angle=30.0, dilation_angle=30.0, cohesion=1e3, density=2000.0)
+    assert footing_cells._bond(dilates, 10.0) == pytest.approx(0.1)
     sand = Material("mohr-coulomb", friction_angle=30.0, dilation_angle=0.0)
     text, = footing_cells._lifted(body("box.geo", {}), 1.0, 1.0, 0.125, sand, plane=True, upright=False, bond=0.0)
     assert "over γ" not in text and "limit 10%, that of a plate 3 cells wider" in text

@@ -51,7 +51,7 @@ H/B = 2):
 | 2, 30°, 0   | 49    | 18 | 14 |
 | 1, 30°, 0   |       | 21 |    |
 
-Cohesion adds 2 c cos φ H, which cells do not change: c = 20 kPa, φ = 20°, H/B = 1.2, 73.4 and 72.6 kN with 10 and 20
+Cohesion adds 2 c H cos φ cos ψ/(1 - sin φ sin ψ), which cells do not change: c = 20 kPa, φ = 20°, H/B = 1.2, 73.4 and 72.6 kN with 10 and 20
 cells, by hand 70.9.
 
 In space a plate of B by L seems only two cells wider, over γ (H B L + s H² (B + L) + 4/3 s² H³): squares at φ = ψ = 35°,
@@ -135,8 +135,7 @@ def lifted(scene, model):
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
             across = np.array([side.width for side in sides(soil.grid, place, travel)])
-            bond = 2.0 * material.cohesion * np.cos(np.radians(material.friction_angle)) / (
-                material.density * -scene.gravity[2])       # [m], of sand on both sides, its resistance over γ H
+            bond = _bond(material, -scene.gravity[2])
             if len(across) == 1:        # over all of the grid along the other axis
                 upright = travel[2] > UPRIGHT * np.linalg.norm(travel)
                 yield from _lifted(body, width, depth, cell, material, plane, upright, bond)
@@ -170,6 +169,13 @@ def _lifted_in_space(body, across, depth, cell, material, bond):
         yield (f"{body.name} is lifted out of sand and is {across.min() / cell:.2g} cells of {cell:.3g} m wide, {depth:.3g} "
                f"m under the ground: its load is about {excess:.0%} too high, limit {EXCESS:.0%}, that of a plate "
                f"{IN_SPACE:g} cells wider. {smaller_cells(EXCESS / excess * cell, ' at it')}")
+
+
+def _bond(material, gravity):
+    """[m], what the cohesion of the sand beside a lifted plate resists, on both sides and over γ H (Davis 1968)."""
+    friction, dilation = np.radians([material.friction_angle, material.dilation_angle or 0.0])
+    reduced = np.cos(friction) * np.cos(dilation) / (1.0 - np.sin(friction) * np.sin(dilation))
+    return 2.0 * material.cohesion * reduced / (material.density * gravity)
 
 
 def _slope(friction, dilation):
