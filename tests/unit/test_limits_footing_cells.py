@@ -238,8 +238,8 @@ def test_a_plate_lifted_out_of_sand():
 
 
 def test_what_cohesion_adds_to_a_lifted_plate_and_which_load_is_meant():
-    """2 c cos φ H of soil that keeps its volume, which cells do not change: 0.104 m of sand of 1700 kg/m³. Drawn obliquely, the load of an
-    upright way is not named."""
+    """2 c cos φ H of soil that keeps its volume, which cells do not change: 0.104 m of sand of 1700 kg/m³. Drawn obliquely,
+    the load of an upright way is not named."""
     clayey = SAND | {"cohesion": 1e3, "density": 1700.0}
     text, = texts(**LIFT | {"material": clayey})
     assert "about 27% too high" in text and "over γ H (B + 0.29 H) + 0.1 γ H, that of" in text

@@ -51,8 +51,8 @@ H/B = 2):
 | 2, 30°, 0   | 49    | 18 | 14 |
 | 1, 30°, 0   |       | 21 |    |
 
-Cohesion adds 2 c H cos φ cos ψ/(1 - sin φ sin ψ), which cells do not change: c = 20 kPa, φ = 20°, H/B = 1.2, 73.4 and 72.6 kN with 10 and 20
-cells, by hand 70.9.
+Cohesion adds 2 c H cos φ cos ψ/(1 - sin φ sin ψ), which cells do not change: c = 20 kPa, φ = 20°, H/B = 1.2, 73.4 and
+72.6 kN with 10 and 20 cells, by hand 70.9.
 
 In space a plate of B by L seems only two cells wider, over γ (H B L + s H² (B + L) + 4/3 s² H³): squares at φ = ψ = 35°,
 H/B = 2, have 30, 20 % over Murray & Geddes' bound with 6, 8 cells.
