@@ -1,9 +1,9 @@
-"""Problems that were found wanting at commit 970c951, each run again with nothing set but the physics.
+"""Rides, pipes and plates beside the families of this study, each run with nothing set but the physics.
 
     .venv/bin/python demos/random/table.py              all rows
     .venv/bin/python demos/random/table.py pipe plate   some of them
 
-A row is printed as soon as it is done; README.md beside this file compares it with what was found.
+A row is printed as soon as it is done; README.md beside this file has the results.
 """
 
 import sys
