@@ -20,10 +20,10 @@ def notes(records):
 
 
 def test_an_impact_in_one_step_gains_energy_and_is_reported():
-    """Thrown back at 4.7 m/s, faster than an elastic impact in this soil allows; 0.6 kJ too many. Only once, though the
+    """Thrown back at 4.4 m/s, faster than an elastic impact in this soil allows; 0.45 kJ too many. Only once, though the
     energy stays."""
     records = thrown(0.03, scheme="newmark")
-    assert records[-1].bodies[0].velocity[2] > 4.0 and records[-1].energies["error"] > 500.0
+    assert records[-1].bodies[0].velocity[2] > 4.0 and records[-1].energies["error"] > 400.0
     text, = notes(records)
     assert "t = 0.03 s" in text and "limit 25%" in text and "smaller time.step" in text
 
