@@ -4,7 +4,7 @@ The displacement of the grid bends at nodes only, so that the rigid base of a bo
 stiff springs up to the edge a strip is as stiff as one 0.36 to 0.5 cells wider on each side, by where the edge lies in its
 cell. At a distance d from a sharp edge contact has
 
-    1/p = 1/p_f + h/6 max(0, 1 - d/h)       h smallest cell
+    1/p = 1/p_f + h/6 max(0, 1 - d/h)       h width of the smallest cells
 
 Over converged finite elements (smooth strip on 8 cells, E = 10 MPa, ν = 0.3, under its weight, a load and a moment; rough
 square on 6 cells in space), edges on a line of the grid, 1/4, 1/2 and 3/4 of a cell beside it:
