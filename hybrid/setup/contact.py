@@ -67,8 +67,8 @@ def _beside_edges(described, body, motion, soil, gravity):
     carried = rests_on_elastic_soil(body, soil, gravity)
     flows = soil.law.plastic and not body.below_capacity
     pointed = body.driven[2] and not base_share(body.outline, motion.rotation)
-    slides = not carried and (
-        pointed or described.pull or any((described.velocity or ())[:2]) or body.driven[:2].any())
+    slides = body.driven[:2].any() or not carried and (
+        pointed or described.pull or any((described.velocity or ())[:2]))
     if not carried:
         body = replace(body, narrowest=narrowest_face(edges, cell))
     if flows or slides:

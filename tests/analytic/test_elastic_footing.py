@@ -17,7 +17,7 @@ from hybrid.contact import soft_edges
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Faces, Grid, Load, Material, Motion, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
-from hybrid.study.scenes import NO_OUTPUT, box
+from hybrid.study.scenes import NO_OUTPUT, box, soil_scene
 
 SETTLEMENT, ROCKING = 10.845e6, 2.259e6     # [N/m], [N m]
 CELL, WEIGHT, LOAD = 0.125, 9810.0, 4e3     # [m], [N], [N]
@@ -78,3 +78,14 @@ def test_the_rim_of_a_cylinder_is_round():
     middle = ends.mean(axis=1)
     assert np.linalg.norm(middle[:, :2], axis=1) == pytest.approx(0.5, abs=5e-4)
     assert np.abs(middle[:, 2]) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("table, gravity, soft", [
+    ({}, -9.81, True), ({"velocity": (1.0, 0.0, 0.0)}, -9.81, True), ({}, 0.0, True),
+    ({"driven": ("z",), "velocity": (0.0, 0.0, -1.0)}, 0.0, True), ({"velocity": (1.0, 0.0, 0.0)}, 0.0, False),
+    ({"driven": ("x",), "velocity": (1.0, 0.0, 0.0)}, -9.81, False)])
+def test_bodies_that_slide_along_have_rounded_edges(table, gravity, soft):
+    """Soil in front of a sharp edge comes to lie inside them, as on a bank that they are driven up."""
+    block = box(0.4, 0.4, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.0, **table)
+    body = build(soil_scene([block], gravity=(0.0, 0.0, gravity))).model.bodies[0]
+    assert (body.soft_edges is not None) == soft and (body.surface is body.outline) == soft

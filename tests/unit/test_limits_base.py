@@ -1,5 +1,7 @@
 """Bodies that are moved along the fixed base of the grid: the force that this makes wrong, and the note about it."""
 
+from dataclasses import replace
+
 import pytest
 
 from hybrid.monitors.limits import base, margins
@@ -158,6 +160,15 @@ def test_a_strip_that_squeezes_a_thin_layer_of_clay_on_a_harder_one(thick, below
     found = list(base.squeezed_layer(simulation.scene, simulation.model))
     assert len(found) == count
     assert all("presses 0.4 m of clay, 2 cells of 0.2 m" in text and "out is about 19% too high" in text for text in found)
+
+
+def test_the_fixed_base_of_the_grid_under_a_thin_layer():
+    """Its usual model of rock: the same excess, by its name."""
+    layered = strip_on(Material(**{**SAND, "cohesion": 1e3}), 0.4, ROCK, -0.001, friction=1.0).scene
+    grid = replace(layered.grid, z=Axis(-0.4, 0.4, 0.2), faces=Faces(z_min="fixed"))
+    simulation = build(replace(layered, grid=grid, soil=replace(layered.soil, layers=())))
+    text, = base.squeezed_layer(simulation.scene, simulation.model)
+    assert "presses 0.4 m of soil with friction, 2 cells of 0.2 m, on the fixed base of the grid: the load" in text
 
 
 def strip_on(material, thick, below, velocity, **interface):

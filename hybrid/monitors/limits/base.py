@@ -138,12 +138,12 @@ def squeezed_layer(scene, model):
     soil = model.soil
     if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
         return
-    cell, tops = soil.grid.smallest_cell, [height for height, name, least in hard_bases(scene, model) if least == -CLEAR]
+    cell, bases = soil.grid.smallest_cell, {height: name for height, name, _ in hard_bases(scene, model)}
     moved = [(*found, -found[1][2]) for found in driven(scene, model)]
     moved += [(*found[:4], 0.0) for found in loaded(scene, model)]
     for body, travel, place, plane, way in moved:
         bottom = place[:, 2].min()
-        top = max((height for height in tops if height < bottom - ON_IT * cell), default=None)
+        top = max((height for height in bases if height < bottom - ON_IT * cell), default=None)
         if top is None or not plane or travel[2] >= 0.0:
             continue
         thick, width = bottom - top, narrowest(soil.grid, place, travel)
@@ -154,9 +154,10 @@ def squeezed_layer(scene, model):
             kind, number = "clay", SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
             excess, size = number * cell / thick, EXCESS / number * thick
         if thick < THIN * width and excess > EXCESS:
-            yield (f"{body.name} presses {thick:.3g} m of {kind}, {thick / cell:.2g} cells of {cell:.3g} m, on a harder "
-                   f"layer: the load that squeezes it out is {'more than' if excess > GROSS else 'about'} "
-                   f"{min(excess, GROSS):.0%} too high, limit {EXCESS:.0%}. "
+            under = f"{'the' if bases[top].startswith('fixed') else 'a'} {bases[top]}"
+            more = "more than" if excess > GROSS else "about"
+            yield (f"{body.name} presses {thick:.3g} m of {kind}, {thick / cell:.2g} cells of {cell:.3g} m, on {under}: the "
+                   f"load that squeezes it out is {more} {min(excess, GROSS):.0%} too high, limit {EXCESS:.0%}. "
                    f"{smaller_cells(size, ' under it')}")
 
 
