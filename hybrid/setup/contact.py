@@ -75,7 +75,7 @@ def _beside_edges(described, body, motion, soil, gravity):
         return replace(body, surface=round_off(surface, edges))
     ends = ends_of(surface, edges)
     ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T)]
-    wide = max(np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1)     # of a base, not high
+    wide = max((np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1), default=cell)     # not high
     return replace(body, soft_edges=soft_edges(ends, body.penalty, wide))
 
 
