@@ -28,7 +28,7 @@ def texts(limit, described):
 def test_the_law_of_attached_plates_is_that_of_the_record(name, across, exact, number):
     """12.3 is what thick ones converge to. The law is within a twentieth of the load."""
     assert FOUND[name] / exact == pytest.approx(1 + number / across, abs=0.01)
-    assert FOUND[name] / exact == pytest.approx(1 + cells.ATTACHED / across, abs=0.05)
+    assert FOUND[name] / exact == pytest.approx(1 + cells.ATTACHED / across, rel=0.05)
 
 
 @pytest.mark.parametrize("name, across", [("square", 3), ("square, 4 cells", 4), ("square, 6 cells", 6)])

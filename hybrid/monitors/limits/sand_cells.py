@@ -1,7 +1,7 @@
 """Loads of sand that few cells make wrong, by how much, measured on problems set up afresh
 (demos/random/README.md, "By cells").
 
-    wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 4.2/n   n cells in its depth
+    wall that ends in sand and is pushed against it, plane strain        1 + 2.3/n to 1 + 6.3/n   n cells in its depth
     the same with a face that leans back                                 over 1 + 7/n at 75°, 1 + 14/n at 60°
     upright blade 4/3 as wide as deep, in space                          (1 + 1/n)^2.6
     wall that sand behind it follows, on rock or in the sand, the same   (1 - 1.65/n)²            n cells in its height
