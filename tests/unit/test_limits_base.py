@@ -147,6 +147,7 @@ def test_a_strip_that_squeezes_a_thin_layer_of_soil_with_friction_on_a_harder_on
     found = list(base.squeezed_layer(simulation.scene, simulation.model))
     assert len(found) == count
     assert all("presses 0.4 m of soil with friction, 2 cells of 0.2 m" in text for text in found)
+    assert all("squeezes it out is more than 200% too high, limit 10%" in text for text in found)     # 5.2 times, by the law
     ends = [text for text in margins.narrow_margins(simulation.scene, simulation.model) if "below it" in text]
     assert len(ends) == (below is SAND)
 

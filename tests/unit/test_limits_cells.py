@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import cells, ground_cells
-from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Motion, Soil, Stage
 from hybrid.setup.build import build
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay
@@ -66,17 +66,23 @@ def test_the_law_of_a_round_footing_at_its_capacity_is_about_what_was_measured(a
 
 def test_a_disc_pressed_into_clay_on_few_cells():
     """Square ones are told by their edges and depth; a disc that is lifted parts from the clay."""
-    def pressed(speed, size=0.5):
+    def pressed(speed, size=0.5, load=None):
         side = Axis(start=0.0, end=4.0, size=size)
         disc = body("cylinder.geo", {"radius": 1.0, "height": 0.5, "size": 0.3}, rest_on=0.0, **PUSHED | {
             "velocity": (0.0, 0.0, speed)})
         grid = Grid(side, side, Axis(start=-4.0, end=1.0, size=size), Faces(z_min="fixed"))
         soil = Soil(clay.clay(1e4), top=0.0, geostatic=False)
-        return texts(cells.few_cells, scene("disc", grid, soil, [disc], clay.Time(1.0, inertia=False), 20, WEIGHTLESS))
+        described = scene("disc", grid, soil, [disc], clay.Time(1.0, inertia=False), 20, WEIGHTLESS)
+        if load:
+            free = replace(disc, driven=(), velocity=(0.0, 0.0, 0.0), held=("x", "y", "rx", "ry", "rz"))
+            described = replace(described, bodies=(free,), stages=(Stage("load", 20, loads=(load,)),))
+        return texts(cells.few_cells, described)
 
     text, = pressed(-0.01)
     assert "is 4 cells wide" in text and "about" not in text and "up to 27% too high" in text and "Use smaller cells" in text
     assert not pressed(-0.01, 0.125) and not pressed(0.01) and not pressed(-0.002)
+    grows = Load(force=((0.0, 0.0, 0.0, 0.0), (20.0, 0.0, 0.0, -1e5)))      # on a quarter, 13 s_u A: as deep as it can
+    assert "is 4 cells wide" in pressed(0.0, load=grows)[0]
 
 
 def buried(kind="cylinder.geo", values=(("radius", 1.0), ("height", 0.4), ("size", 0.5)), top="fixed", below=4.0):

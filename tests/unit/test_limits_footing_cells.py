@@ -249,6 +249,9 @@ def test_what_cohesion_adds_to_a_lifted_plate_and_which_load_is_meant():
     sand = Material("mohr-coulomb", friction_angle=30.0, dilation_angle=0.0)
     text, = footing_cells._lifted(body("box.geo", {}), 1.0, 1.0, 0.125, sand, plane=True, upright=False, bond=0.0)
     assert "over γ" not in text and "limit 10%, that of a plate 3 cells wider" in text
+    few, more = (list(footing_cells._lifted_in_space(body("box.geo", {}), np.array([1.0, 2.0]), 1.0, 0.2, sand, bond))
+                 for bond in (0.0, 4.0))
+    assert "about 48% too high" in few[0] and not more      # 0.4 (3 + 2 s)/(2 + 3 s + 4/3 s²), s = 0.289
 
 
 @pytest.mark.parametrize("deep, n, found", [(1.75, 8, (1.19, 1.26)), (1.75, 16, (1.12, 1.16)), (1.0, 8, (1.16, 1.25)),

@@ -249,7 +249,8 @@ def test_a_footing_on_sand_with_weight(table):
     assert "rising with the distance moved as the sand dilates" in text
 
 
-@pytest.mark.parametrize("deep, told, part", [(-0.5, True, False), (-3.0, True, True), (-4.5, False, False)])
+@pytest.mark.parametrize("deep, told, part", [
+    (-0.5, True, False), (-1.5, True, True), (-3.0, True, True), (-4.5, False, False)])
 def test_a_footing_that_lies_deep_in_sand_has_little_of_its_load_from_the_weight_under_it(deep, told, part):
     """2 m wide."""
     described = strip(**PRESSED)
