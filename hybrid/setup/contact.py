@@ -60,8 +60,8 @@ def connect_to_soil(described, body, motion, soil, gravity, alone):
 
 
 def _beside_edges(described, body, motion, soil, gravity):
-    """The body with contact beside its sharp edges that suits the soil: these are rounded off where it flows, or comes to
-    lie inside the body as that slides along, and soft where the soil is elastic."""
+    """The body with its contact beside sharp edges: they are rounded off where soil flows around them, or where the body
+    slides along, so that soil in front of it would come to lie inside; else springs are softer there."""
     surface, cell = body.surface, soil.grid.smallest_cell
     edges = find_edges(surface, cell, motion.rotation[soil.grid.collapsed])
     carried = rests_on_elastic_soil(body, soil, gravity)
@@ -75,8 +75,8 @@ def _beside_edges(described, body, motion, soil, gravity):
         return replace(body, surface=round_off(surface, edges))
     ends = ends_of(surface, edges)
     ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T)]
-    wide = max((np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1), default=cell)     # not high
-    return replace(body, soft_edges=soft_edges(ends, body.penalty, wide))
+    width = max((np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1), default=cell)    # of cells
+    return replace(body, soft_edges=soft_edges(ends, body.penalty, width))
 
 
 def _at_ends_of(soil, edges):
