@@ -170,6 +170,9 @@ def test_the_fixed_base_of_the_grid_under_a_thin_layer():
     simulation = build(replace(layered, grid=grid, soil=replace(layered.soil, layers=())))
     text, = base.squeezed_layer(simulation.scene, simulation.model)
     assert "presses 0.4 m of soil with friction, 2 cells of 0.2 m, on the fixed base of the grid: the load" in text
+    crust = layer_of(ROCK, "crust", bottom=-0.2)        # elastic, of no limit load, over soil that yields
+    simulation = build(replace(layered, grid=grid, soil=replace(layered.soil, layers=(crust,))))
+    assert not list(base.squeezed_layer(simulation.scene, simulation.model))
 
 
 def strip_on(material, thick, below, velocity, **interface):

@@ -42,7 +42,7 @@ from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
 from hybrid.monitors.limits.loading import driven, loaded
-from hybrid.monitors.limits.materials import CLAY, material_at
+from hybrid.monitors.limits.materials import CLAY, SAND, material_at
 from hybrid.monitors.limits.shape import narrowest
 from hybrid.monitors.limits.start import initial_vertices
 from hybrid.runtime.comm import anywhere
@@ -148,6 +148,8 @@ def squeezed_layer(scene, model):
             continue
         thick, width = bottom - top, narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
+        if material.law not in (CLAY, *SAND):
+            continue
         if material.friction_angle:
             kind, (excess, size) = "soil with friction", _with_friction(material, body.friction, thick, width, cell)
         else:
