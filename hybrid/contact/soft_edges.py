@@ -34,8 +34,8 @@ PARTS = 4           # straight ones that stand for the edge of a triangle on a r
 
 
 class SoftEdges(NamedTuple):
-    """Sharp edges with ends (e, 2, 3) [m] in the body frame; cell [m], up to which they are felt; compliance of springs at
-    an edge, over that of the others [-], without these."""
+    """Sharp edges with ends (e, 2, 3) [m] in the body frame; cell [m], the distance within which springs are softer;
+    compliance [-], what an edge adds to that of a spring, over that of a spring far from edges."""
 
     ends: np.ndarray
     cell: float
@@ -48,7 +48,8 @@ class SoftEdges(NamedTuple):
 
 
 def soft_edges(ends, penalty, cell):
-    """SoftEdges of a body with a `penalty` p_f [1/m] on cells of `cell` [m]; ends as there. None without edges."""
+    """SoftEdges of a body with a `penalty` p_f [1/m] on cells of `cell` [m], its edges with ends (e, 2, 3) [m]; None without
+    edges."""
     return SoftEdges(np.ascontiguousarray(ends), cell, SOFT * penalty * cell) if len(ends) else None
 
 
