@@ -98,7 +98,8 @@ def _values(key, m, given, also=()):
     used = ("law", "density", *USES[m.law], *also)
     for name, f in KEYS.items():
         value = getattr(given, name)
-        if value != f.default and name not in used:
+        submerged = name == "buoyant" and m.relative_density is None     # told below, with its remedy
+        if value != f.default and name not in used and not submerged:
             others = ", ".join(USES[m.law]) or "the density alone"
             yield f"{key}.{name} = {shown(value)}: must be left out with law = {m.law!r}, which uses {others}"
     if m.young is not None and m.reference_young is not None:
