@@ -11,6 +11,7 @@ from hybrid.contact.reversals import NONE, reversed_slip
 from hybrid.runtime import comm
 
 LEVEL = 1e-3    # length of N x Σ N of contact points in one plane
+ALONG = [0, 1, 5]   # components of a motion along level ground; a base that is turned slips on all of its points about its middle
 
 
 class Held(NamedTuple):
@@ -46,7 +47,7 @@ def drifting(step, evaluation):
     stick: of those that slip against one another the stronger, whose shear goes with the sum.
     """
     model = step.model
-    if model.scheme.inertia or model.joints or any(each.guide.component < 2 for each in model.guides):
+    if model.scheme.inertia or model.joints or any(each.guide.component in ALONG for each in model.guides):
         return None
     points = tuple(_stronger(terms.contact) if _drifts(terms) else NONE for terms in evaluation.bodies)
     return Held(points) if any(comm.anywhere([len(own)]) for own in points) else None
@@ -54,9 +55,9 @@ def drifting(step, evaluation):
 
 def _drifts(terms):
     """Whether all contact points of a body slip on one plane and neither a guide, a line nor another body draws it
-    along: under a load that friction carries it has an equilibrium too."""
+    along or turns it there: under a load that friction carries it has an equilibrium too."""
     body, contact = terms.step.body, terms.contact
-    drawn = not body.free[:2].any() or body.drive[:2].any() or body.line is not None or terms.beside
+    drawn = not body.free[:2].any() or body.drive[ALONG].any() or body.line is not None or terms.beside
     if drawn or not comm.anywhere(contact.slip) or comm.anywhere(~contact.slip):
         return False
     mean = comm.total(contact.normal)

@@ -54,9 +54,21 @@ def test_else_updates_carry_it_away(monkeypatch):
         lift(**HELD)
 
 
-def terms(slip, shear, normal=(0.0, 0.0, 1.0), free=(True,) * 6, drive=0.0, line=None, beside=False):
+def test_a_box_turned_about_the_vertical_slips_on_all_of_its_base():
+    """About its middle, from the first step on: points held in stick would lead it away."""
+    scene = put_on_soil(box(1.0, 1.0, 0.5, size=2.0, density=DENSITY, position=(0.0, 0.0, 0.0), rest_on=0.0, friction=0.4),
+                        size=0.25, x=(-1.0, 1.0), y=(-1.0, 1.0), z=(-0.5, 0.25), steps=3,
+                        material=Material(law="hencky", young=1e7, poisson=0.3, density=1800.0))
+    turn = Motion(component="rz", velocity=0.1)
+    records = list(build(replace(scene, stages=(replace(scene.stages[0], motions=(turn,)),))).steps())
+    assert sum(record.iterations for record in records) < 20 and all(record.increments == 1 for record in records)
+    assert np.abs(records[-1].bodies[0].position[:2]).max() < 1e-4
+    assert records[-1].bodies[0].contact_moment[2] == pytest.approx(-0.4 * 1e3 * 9.81 * 0.43, rel=0.05)
+
+
+def terms(slip, shear, normal=(0.0, 0.0, 1.0), free=(True,) * 6, drive=0.0, driven=0, line=None, beside=False):
     """What `drifting` reads of BodyTerms."""
-    body = SimpleNamespace(free=np.array(free), drive=np.array([drive, *[0.0] * 5]), line=line)
+    body = SimpleNamespace(free=np.array(free), drive=np.eye(6)[driven] * drive, line=line)
     contact = SimpleNamespace(active=10 + np.arange(len(slip)), slip=np.array(slip), shear=np.array(shear),
                               normal=np.array(normal if np.ndim(normal) == 2 else [normal] * len(slip)))
     return SimpleNamespace(step=SimpleNamespace(body=body), contact=contact, beside=beside)
@@ -76,11 +88,14 @@ def test_the_stronger_of_points_that_slip_against_one_another_are_held():
     assert drifting(terms([True] * 3, SHEAR)) == [10, 12]
     assert drifting(terms([True] * 3, SHEAR), guided=[2]) == [10, 12]
 
+    assert drifting(terms([True] * 3, SHEAR, drive=0.1, driven=3)) == [10, 12]     # tilted, it drags its base along
+
 
 @pytest.mark.parametrize("values, others", [
-    ({"slip": [True, False, True]}, {}), ({"slip": [False] * 3}, {}), ({"drive": 0.1}, {}), ({"line": "chain"}, {}),
+    ({"slip": [True, False, True]}, {}), ({"slip": [False] * 3}, {}), ({"drive": 0.1}, {}), ({"drive": 0.1, "driven": 5}, {}),
+    ({"line": "chain"}, {}),
     ({"beside": True}, {}), ({"free": (False, False, *[True] * 4)}, {}), ({}, {"inertia": True}), ({}, {"joints": ("pin",)}),
-    ({}, {"guided": [2, 0]}), ({"normal": [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [0.0, 0.0, 1.0]]}, {})])
+    ({}, {"guided": [2, 0]}), ({}, {"guided": [5]}), ({"normal": [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [0.0, 0.0, 1.0]]}, {})])
 def test_bodies_that_something_holds_or_draws_along_are_left_alone(values, others):
     assert drifting(terms(**{"slip": [True] * 3, "shear": SHEAR, **values}), **others) is None
 
