@@ -102,9 +102,10 @@ def _energy_along(step, terms):
 # ------------------------------------------------------------------ stages and guided points
 
 
-def begin_stage(model, bodies, joints):
+def begin_stage(model, bodies, joints, same=False):
     """(bodies, JointState, kinetic energy lost [J]) at the start of a stage: what guides hold or release by then may let
-    joined bodies move otherwise. Rows of guided points are added; `engage_guides` brings them to their rates."""
+    joined bodies move otherwise, but not where they go on as before, the `same`. Rows of guided points are added;
+    `engage_guides` brings them to their rates."""
     if not model.constraints:
         return bodies, None, 0.0
     lost, bare = 0.0, replace(model, guides=())
@@ -113,7 +114,7 @@ def begin_stage(model, bodies, joints):
         gradients = gradients_of(model.joints, *columns_of(bare), [motion.pose for motion in bodies])
         bounds, _, _ = rows_of(bare)
         active = independent(gradients, bounds) & (~np.isfinite(bounds).any(axis=1) | joints.active)
-        if model.scheme.inertia:
+        if model.scheme.inertia and not same:
             before = bodies
             bodies, joints = with_friction(bare, *consistent(bare, before, joints, active)[:2], active)
             # not p·G v of the rows: what they do to driven components is borne by the guides

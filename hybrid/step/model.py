@@ -16,6 +16,8 @@ from hybrid.step.loads import Loads
 from hybrid.step.pair_terms import BodyPair
 from hybrid.step.work import by_component
 
+RATES = "velocity", "spin", "acceleration", "spin_rate"     # of a motion
+
 
 @dataclass(frozen=True)
 class Model:
@@ -111,10 +113,19 @@ class Model:
             if line_work:
                 work["pull"] = work.get("pull", 0.0) + line_work
             bodies.append(stage_start.begin_loads(body, motion, state.time, self.scheme, more))
-        bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints)
+        same = before is not None and self._goes_on(before, state.bodies, bodies)
+        bodies, joints, lost = joint_rates.begin_stage(self, bodies, state.joints, same)
         if lost:
             work["drive"] = work.get("drive", 0.0) - lost
         return replace(state, points=self._with_gravity(state.points, more), bodies=bodies, work=work, joints=joints)
+
+    def _goes_on(self, before, earlier, bodies):
+        """Whether a stage leaves all bodies as that `before` had them: what is free and, in their motions `earlier` and now,
+        their rates."""
+        if before.guides or self.guides:
+            return False
+        return all(np.array_equal(old.free, new.free) for old, new in zip(before.bodies, self.bodies)) and all(
+            np.array_equal(getattr(old, name), getattr(new, name)) for old, new in zip(earlier, bodies) for name in RATES)
 
     def _with_gravity(self, points, more):
         """Points to which so much `more` (3,) [m/s²] gravity acts from now on: it accelerates them before stress answers."""

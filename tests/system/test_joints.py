@@ -78,6 +78,20 @@ def test_the_order_is_lost_with_a_scheme_of_first_order():
     assert np.log2(errors[0] / errors[1]) < 1.4
 
 
+def test_a_stage_that_changes_nothing_leaves_joined_bodies_as_they_move():
+    """One that holds a component changes their rates: a projection of them would book work of a drive."""
+    def ended(stages, **values):
+        scene = double_pendulum(40, 0.02)
+        simulation = build(replace(scene, stages=tuple(
+            replace(scene.stages[0], name=f"stage {i}", steps=40 // stages, **(values if i else {})) for i in range(stages))))
+        *_, record = simulation.steps()
+        return np.array([body.position for body in record.bodies]), record.energies["drive"]
+
+    (whole, drive), (parts, of_parts), (held, of_held) = ended(1), ended(4), ended(2, held=("y",))
+    assert np.array_equal(whole, parts) and drive == of_parts == 0.0
+    assert of_held != 0.0 and not np.array_equal(whole, held)
+
+
 def test_joints_hold_to_round_off_and_their_forces_are_in_the_history():
     _, simulation, records = double_error(50)
     upper, lower = simulation.state.bodies
