@@ -34,6 +34,7 @@ log = logging.getLogger("hybrid")
 TIME_LIMIT = 300.0  # seconds for one picture
 SHARES = (1.0, 0.5, 0.25)    # of the pull at the end of a run, at which lines in soil are drawn
 GRACE = 3.0         # seconds that an interrupted run still waits for one
+NOTHING = 1e-8       # cells of displacement that is drawn as none
 # EGL needs no X server; where it is missing VTK may choose for itself.
 TRIES = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}, {}
 REMEDY = "try: apt install libegl1 libgl1-mesa-dri (off-screen OpenGL), pip install pyvista"
@@ -55,7 +56,7 @@ class Pictures:
         if picture_due(simulation):
             step = step_of_last_stage(simulation)
             self._collect()
-            caption = f"{record.stage}: step {step}, time {record.time:.2f} s"
+            caption = f"{record.stage}: step {step}, time {record.time:.4g} s"
             path = self.folder / f"soil_step_{step:03d}.png"
             self.drawing = Drawing(path, scene_arrays(simulation, self.initial), caption)
 
@@ -75,7 +76,7 @@ class Pictures:
         # late: matplotlib takes a while, and most of a run does without
         from hybrid.output import body_figures, figures, trajectory
 
-        trajectory.trajectory(self.folder)
+        trajectory.trajectory(self.folder, simulation.model.soil.grid.smallest_cell)
         if any(np.any(history[f"{name}_tension_N"]) for name in body_names(history)):
             figures.tension(self.folder)
         initial = {name: state.position for name, state in zip(simulation.body_names, simulation.initial_bodies)}
@@ -147,17 +148,18 @@ def scene_arrays(simulation, initial):
     return {
         "position": points.position, "half": points.half_width, "soil": soil,
         "vertices": np.concatenate(vertices), "triangles": np.concatenate(triangles), "body": body,
-        "limit": colour_limit(soil, body),
+        "limit": colour_limit(soil, body, simulation.model.soil.grid.smallest_cell),
     }
 
 
-def colour_limit(soil, body):
-    """Round number for the ends of the colour scale: nearly all of the soil and half the body lie within."""
+def colour_limit(soil, body, cell):
+    """Round number for the ends of the colour scale: nearly all of the soil and half the body lie within; a hundredth of a
+    `cell` [m] where nothing moves."""
     typical = [np.quantile(np.abs(soil), 0.999)] if len(soil) else []
     typical += [np.median(np.abs(body))] if len(body) else []
     largest = max(typical, default=0.0)
-    if largest < 1e-9:
-        return 1e-3
+    if largest < NOTHING * cell:
+        largest = 0.01 * cell
     power = 10.0 ** math.floor(math.log10(largest))
     return next(m * power for m in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if m * power >= 0.999 * largest)
 

@@ -103,7 +103,7 @@ def describe(record, steps, remaining):
     parts = [
         f"{record.stage} {record.stage_step}/{steps}",
         f"{clock(remaining)} left",
-        f"t {record.time:.3f} s",
+        f"t {record.time:.6g} s",
         f"dt {record.dt:.3g} s",
         f"{record.iterations} iterations",
         f"residual {record.residual:.1e}",

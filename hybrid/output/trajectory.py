@@ -8,19 +8,21 @@ from hybrid.output.figures import COLOURS, COLUMN, figure
 from hybrid.output.history import body_names, read_history
 
 FLAT = 0.05             # a horizontal way of less than this share of the vertical one: against time
-STILL = 1e-3, 0.1       # [m], [°] of motion that is drawn as none
+STILL = 1e-4            # cells of motion that is drawn as none
+UNTURNED = 0.1          # [°], the same of a rotation
 TURNED = {"x": "y", "y": "x"}   # the axis about which a body rolls that moves along x, y
 
 
-def trajectory(folder, path=None):
+def trajectory(folder, cell, path=None):
     """Height of every body's centre, and rotation where a body rotates, against the position of the centres along x or y,
     whichever they move more along; against time where they go up and down only; from history.csv.
 
-    Writes trajectory.png in `folder` unless `path` is given, and returns the path.
+    Writes trajectory.png in `folder` unless `path` is given, and returns the path. cell: smallest one of the grid [m],
+    beside which a motion is drawn as none.
     """
-    history, path = read_history(folder), Path(path or Path(folder) / "trajectory.png")
+    history, path, still = read_history(folder), Path(path or Path(folder) / "trajectory.png"), STILL * cell
     names = body_names(history)
-    axis, upright = _horizontal(history, names)
+    axis, upright = _horizontal(history, names, still)
     turns = {name: rolled(history, name, TURNED[axis]) for name in names}
     with figure(path, COLUMN, (1.15 if _any_turn(turns) else 0.75) * COLUMN) as drawing:
         if _any_turn(turns):
@@ -35,8 +37,8 @@ def trajectory(folder, path=None):
                 height.plot(along[end], history[f"{name}_z_m"][end], "o", color=colour, markerfacecolor=face)
             if turn is not height:
                 turn.plot(along, turns[name], color=colour)
-        _limits_at_least(height.get_ylim, height.set_ylim, STILL[0])
-        _limits_at_least(turn.get_xlim, turn.set_xlim, STILL[0])
+        _limits_at_least(height.get_ylim, height.set_ylim, still)
+        _limits_at_least(turn.get_xlim, turn.set_xlim, still)
         height.set_ylabel("height of centre $z$ [m]")
         turn.set_xlabel("time [s]" if upright else f"position of centre ${axis}$ [m]")
         if len(names) > 1:
@@ -45,16 +47,17 @@ def trajectory(folder, path=None):
     return path
 
 
-def _horizontal(history, names):
-    """(horizontal axis of the figure, whether no body moves along x or y by more than a share of the vertical way)."""
+def _horizontal(history, names, still):
+    """(horizontal axis of the figure, whether no body moves along x or y by more than a share of the vertical way),
+    apart from `still` [m]."""
     way = {axis: max((np.ptp(history[f"{name}_{axis}_m"]) for name in names), default=0.0) for axis in "xyz"}
-    axis = "y" if way["y"] > max(way["x"], STILL[0]) else "x"
-    return axis, way[axis] <= max(FLAT * way["z"], STILL[0])
+    axis = "y" if way["y"] > max(way["x"], still) else "x"
+    return axis, way[axis] <= max(FLAT * way["z"], still)
 
 
 def _any_turn(turns):
     """Whether any body rotates by what is drawn. turns: {body: (steps,) [°]}."""
-    return any(np.abs(turn).max(initial=0.0) > STILL[1] for turn in turns.values())
+    return any(np.abs(turn).max(initial=0.0) > UNTURNED for turn in turns.values())
 
 
 def rolled(history, name, axis):

@@ -66,7 +66,7 @@ class FakeSimulation:
         self.initial_position = (lattice + 0.5) * spacing - [0, 0, shape[2] * spacing]
         self.initial_half = np.full_like(self.initial_position, spacing / 2)
         self.surfaces, self.body_names = [open_box(np.array([0.3, 0.3, 0.2]))], ["anchor"]
-        self.model = SimpleNamespace(bodies=())
+        self.model = SimpleNamespace(bodies=(), soil=SimpleNamespace(grid=SimpleNamespace(smallest_cell=0.1)))
         self.start, self.later_notes = {}, {}
         self.random = np.random.default_rng(1)
         self.state = self.state_at(0)

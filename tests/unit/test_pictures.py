@@ -15,7 +15,7 @@ from hybrid.output.trajectory import _horizontal, rolled, trajectory
 
 def test_figures_are_drawn_from_the_history_alone(tmp_path):
     FakeSimulation().run([history.History(tmp_path)])
-    for path in (trajectory(tmp_path), figures.tension(tmp_path),
+    for path in (trajectory(tmp_path, 0.1), figures.tension(tmp_path),
                  figures.tension(tmp_path, tmp_path / "drag.pdf", against="distance")):
         assert path.stat().st_size > 5000
     turned = rolled(history.read_history(tmp_path), "anchor", "y")
@@ -33,7 +33,7 @@ def test_rotation_counts_full_turns(axis):
                                            ((0.0, 0.0, 0.5), ("x", True)), ((1e-9, 2e-9, 0.0), ("x", True))])
 def test_trajectory_is_drawn_along_the_way_or_against_time(way, expected):
     columns = {f"b_{axis}_m": np.linspace(0.0, length, 5) for axis, length in zip("xyz", way)}
-    assert _horizontal(columns, ["b"]) == expected
+    assert _horizontal(columns, ["b"], 1e-5) == expected
 
 
 def test_comparison_of_two_quantities(tmp_path):
@@ -53,9 +53,10 @@ def test_errors_against_the_step_in_one_or_two_panels(tmp_path):
 
 
 def test_colour_limit_is_round_and_never_zero():
-    assert pictures.colour_limit(np.array([0.0, -0.23]), np.zeros(0)) == pytest.approx(0.3)
-    assert pictures.colour_limit(np.zeros(5), np.full(3, -3.4)) == 4
-    assert pictures.colour_limit(np.zeros(5), np.zeros(0)) == 1e-3
+    assert pictures.colour_limit(np.array([0.0, -0.23]), np.zeros(0), 0.1) == pytest.approx(0.3)
+    assert pictures.colour_limit(np.zeros(5), np.full(3, -3.4), 0.1) == 4
+    assert pictures.colour_limit(np.zeros(5), np.zeros(0), 0.1) == pytest.approx(1e-3)
+    assert pictures.colour_limit(np.full(5, -2e-10), np.zeros(0), 1e-3) == pytest.approx(2e-10)     # a sample of millimetres
 
 
 def test_pictures_show_soil_and_cut_body(tmp_path):

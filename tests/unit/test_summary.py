@@ -69,7 +69,7 @@ def test_the_line_of_progress():
     simulation.state = simulation.state_at(6)
     line = progress.describe(simulation.record(), 4, 75)
     assert len(line) <= 100 and line == (
-        "drag 4/4  1:15 left  t 0.240 s  dt 0.04 s  3 iterations  residual 1.0e-07  17 contacts  tension 6 kN")
+        "drag 4/4  1:15 left  t 0.24 s  dt 0.04 s  3 iterations  residual 1.0e-07  17 contacts  tension 6 kN")
     assert progress.clock(3671) == "1:01:11"
 
 
