@@ -22,7 +22,7 @@ from hybrid.contact.cover import Cover
 from hybrid.contact.soft_edges import ends_of, soft_edges
 from hybrid.runtime.comm import anywhere, minimum
 from hybrid.setup.bearing import base_share, bears, stands_on
-from hybrid.setup.foot import standing_overlap
+from hybrid.setup.foot import standing_overlap, stands_on_edge
 from hybrid.setup.interface import friction_of, interface_of
 from hybrid.setup.penalty import REST_CURVATURE, penalty, rests, rests_on_elastic_soil
 from hybrid.setup.plane_strain import in_slice
@@ -52,16 +52,17 @@ def connect_to_soil(described, body, motion, soil, gravity, alone):
     body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
     body = replace(body, places=chosen, penalty=penalty(described, body, rotation, soil, spacing, radius, gravity))
     if not (soil.held or chosen.at_corners):
-        body = _beside_edges(described, body, motion, soil, gravity)
+        body = _beside_edges(described, body, motion, soil, gravity, np.isinf(radius))
     if interface and not chosen.at_corners:
         interface = replace(interface, sharp=None if body.surface is sharp else sharp, cover=_cover(sharp, soil, rotation))
     body = replace(body, friction=friction_of(described, mixed), interface=interface)
     return rigid.with_stiffness(body, soil.law.young, soil.held)
 
 
-def _beside_edges(described, body, motion, soil, gravity):
-    """The body with its contact beside sharp edges: they are rounded off where soil flows around them, or where the body
-    slides along, so that soil in front of it would come to lie inside; else springs are softer there."""
+def _beside_edges(described, body, motion, soil, gravity, plane):
+    """The body, with `plane` faces or curved ones, with its contact beside sharp edges: they are rounded off where soil flows
+    around them, where the body slides along, so that soil in front of it would come to lie inside, and where it stands on
+    one, so that the normal of contact turns from one face to the other; else springs are softer there."""
     surface, cell = body.surface, soil.grid.smallest_cell
     edges = find_edges(surface, cell, motion.rotation[soil.grid.collapsed])
     carried = rests_on_elastic_soil(body, soil, gravity)
@@ -71,7 +72,7 @@ def _beside_edges(described, body, motion, soil, gravity):
         pointed or described.pull or any((described.velocity or ())[:2]))
     if not carried:
         body = replace(body, narrowest=narrowest_face(edges, cell))
-    if flows or slides:
+    if flows or slides or plane and stands_on_edge(body, motion, soil):
         return replace(body, surface=round_off(surface, edges))
     ends = ends_of(surface, edges)
     ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T)]

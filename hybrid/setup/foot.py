@@ -2,13 +2,21 @@
 
 A body on a foot narrower than itself, such as a pole, tilts on its springs, and what it tilts by takes from the lever arm
 of its weight. They are as stiff as those of a cube on that foot, so that the arm is shorter by the same share.
+
+A body with plane faces that does not lie flat stands on an edge or a corner (`stands_on_edge`): soil is in contact there
+with one row of places, on one face of the body, whose normal is not that of the ground.
 """
 
 import numpy as np
 
+from hybrid.scene.ground import heights_at
+from hybrid.soil.points import extent
+
 STANDS = 20.0       # times W h, h the height of its centre: stiffness by which a body keeps upright, which needs once
 LEANS = np.cos(np.radians(30.0))    # cosine to the vertical of the normal of a foot
 ALIKE = 1e-4                        # of unit normals; of the radius: faces in one plane
+TOUCHES = 0.125     # of a cell over its lowest vertex: what lies flat; the spacing of places of contact on elastic soil
+MOSTLY = 0.5        # of a face that does
 TURNS = 36                          # directions in half a turn that widths are measured along
 
 
@@ -18,6 +26,26 @@ def sides_of_contact(size, surface, rotation, collapsed):
     dimensions = 3 - int(np.sum(collapsed))
     widths = _widths(surface, rotation, collapsed)
     return tuple(min(size, np.sqrt(dimensions) * width) for width in widths) or (size,) * (dimensions - 1)
+
+
+def stands_on_edge(body, motion, soil):
+    """Whether a body at its BodyState, which is not in the soil by more than a cell, is lowest over the ground with an edge
+    or a corner, and not with a plane face."""
+    surface, cell, top = body.surface, soil.grid.smallest_cell, extent(soil.constants, 2)[1]
+    vertices = surface.vertices @ motion.rotation.T + motion.position
+    ground = top if soil.heights is None else np.minimum(heights_at(soil.heights[0], vertices[:, :2]), top)
+    above = vertices[:, 2] - ground
+    if above.min() < -cell:
+        return False
+    flat = (above < above.min() + TOUCHES * cell)[surface.triangles].all(axis=1)
+    area = 0.5 * np.linalg.norm(np.cross(*np.moveaxis(np.diff(surface.vertices[surface.triangles], axis=1), 1, 0)), axis=1)
+    if not flat.any():
+        return True
+    largest = int(np.argmax(np.where(flat, area, 0.0)))
+    normal, centres = surface.normals[largest], surface.vertices[surface.triangles].mean(axis=1)
+    face = surface.normals @ normal > 1.0 - ALIKE
+    face &= np.abs((centres - centres[largest]) @ normal) < ALIKE * body.radius
+    return bool(area[flat & face].sum() < MOSTLY * area[face].sum())
 
 
 def standing_stiffness(surface, rotation, collapsed, weight, thickness):
