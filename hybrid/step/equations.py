@@ -53,6 +53,10 @@ class Step:
     joints: JointStep | None = None
     pairs: PairsStep | None = None
 
+    def solved_to(self, tolerance):
+        """This Step with another tolerance of Newton's method."""
+        return replace(self, model=replace(self.model, solver=replace(self.model.solver, tolerance=tolerance)))
+
     # -------------------------------------------------------------- trial values
 
     def predictor(self):

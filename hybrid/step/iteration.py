@@ -98,9 +98,10 @@ class Outcome:
                        errors=self.errors + other.errors, judged=self.judged or other.judged)
 
 
-def iterate(step, solver, evaluation, updates):
+def iterate(step, evaluation, updates):
     """Outcome of `updates` from an evaluation."""
-    safeguards, errors, krylov, best, backtracked = Safeguards(step, solver, updates), [], 0, evaluation, False
+    safeguards, errors, krylov, best, backtracked = Safeguards(step, updates), [], 0, evaluation, False
+    solver = step.model.solver
 
     def ended(evaluation, reason, **how):
         return Outcome(evaluation, len(errors) - 1, krylov, tuple(errors), reason, **how)
@@ -132,8 +133,8 @@ class Safeguards:
     """What helps updates along: the last tangent used again, also that of the last increment, contact points held in stick
     for an update, few rough nodes solved for by themselves; and whether contact points jump between facets."""
 
-    def __init__(self, step, solver, updates):
-        self.step, self.solver, self.updates = step, solver, updates
+    def __init__(self, step, updates):
+        self.step, self.updates, solver = step, updates, step.model.solver
         self.finest = max(solver.linear_tolerance / max(1.0, contacts.stiffness_ratio(step) / STIFF), FINEST)
         self.stick = None       # contact points held in stick in the next update
         self.reuse = False      # of the tangent in the next update
@@ -153,7 +154,7 @@ class Safeguards:
             near = step.model.scheme.inertia or held.error <= FAR
             step.assemble(held, self.updates.near if near else self.updates.far, elastic_share(step, held.error))
         with phase("solve"):
-            return step.system.solve(held.soil, held.body, linear_tolerance(self.solver, self.finest, held.error))
+            return step.system.solve(held.soil, held.body, linear_tolerance(step.model.solver, self.finest, held.error))
 
     def misled(self, before, trial):
         """Whether the first update, from `before` to `trial`, was made with a tangent that no longer serves and is not to be
@@ -174,8 +175,8 @@ class Safeguards:
     def follow(self, before, trial):
         """Evaluation to go on from after an update from `before` to `trial`."""
         after, updates = trial, self.updates
-        if updates.smooth and trial.error > max(SLOW * before.error, self.solver.tolerance):
-            after = smoothed(self.step, self.solver, trial, updates)
+        if updates.smooth and trial.error > max(SLOW * before.error, self.step.model.solver.tolerance):
+            after = smoothed(self.step, trial, updates)
         poor = after.error > SLOW * before.error        # near the solution slip turns round without harm
         self.stick = sticking.reversing(before, after, self.stick) if poor else None
         # points sent to another facet by the update and back by what smooths it jump as well
@@ -231,7 +232,7 @@ def linear_tolerance(solver, finest, error):
     return max(finest, min(COARSEST, finest / solver.linear_tolerance * enough))
 
 
-def smoothed(step, solver, evaluation, updates):
+def smoothed(step, evaluation, updates):
     """Evaluation after the few nodes that carry most of its residual, and the bodies, have been solved for by themselves
     (`hybrid.step.restriction`); `evaluation` itself where they are not few, or have no better solution."""
     nodes = rough_nodes(step, evaluation)
@@ -240,9 +241,8 @@ def smoothed(step, solver, evaluation, updates):
     part = restricted(step, nodes, evaluation)
     try:
         start = part.evaluate(evaluation.unknowns)
-        aim = max(SMOOTH * start.error, solver.tolerance)
-        outcome = iterate(part, replace(solver, tolerance=aim), start,
-                          replace(updates, patience=BRIEF, backtrack=True, smooth=False))
+        part = part.solved_to(max(SMOOTH * start.error, step.model.solver.tolerance))
+        outcome = iterate(part, start, replace(updates, patience=BRIEF, backtrack=True, smooth=False))
     finally:
         part.system.destroy()
     new = step.evaluate(outcome.evaluation.unknowns)

@@ -47,7 +47,6 @@ NOTHING = Outcome(None, 0, 0, ())   # tried yet
 def solve(step: Step, short=False, backtrack=False):
     """Outcome of Newton's method on `step`. Never raises for lack of convergence. short: whether the increment is so short
     that a contact point may be carried BETWEEN facets; backtrack: whether to begin with backtracking."""
-    solver = step.model.solver
     if reason := rotation_too_large(step):
         return replace(NOTHING, reason=reason)
     if step.pairs and step.pairs.too_long:
@@ -60,41 +59,41 @@ def solve(step: Step, short=False, backtrack=False):
         step = replace(step, reference=evaluation.internal)
     outcome, ambiguous = NOTHING, BETWEEN if short else AMBIGUOUS
     for start in starts(step, evaluation):
-        outcome = outcome.followed_by(_solution(step, solver, start, ambiguous, backtrack))
+        outcome = outcome.followed_by(_solution(step, start, ambiguous, backtrack))
         if outcome.converged:
             break
         contacts.release_facets(step)
-    if not outcome.converged and short and solver.line_search:
+    if not outcome.converged and short and step.model.solver.line_search:
         start = step.evaluate(evaluation.unknowns)
-        outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, may_diverge=True)))
+        outcome = outcome.followed_by(iterate(step, start, Updates(PATIENCE, may_diverge=True)))
     if not outcome.converged:
         return outcome
     change = contacts.share_interface(outcome.evaluation)
     if change > SHARED:
-        outcome = _shared(step, solver, outcome, ambiguous)
+        outcome = _shared(step, outcome, ambiguous)
     return replace(outcome, reason=rejection(step, outcome.evaluation, short)) if outcome.converged else outcome
 
 
-def _shared(step, solver, outcome, ambiguous):
+def _shared(step, outcome, ambiguous):
     """`outcome` with the adhesion of clay shared among the points that touch in it; as it is where that has no solution.
     ambiguous: as in `_solution`."""
     unknowns, error = outcome.evaluation.unknowns, outcome.evaluation.error
     contacts.release_facets(step)
-    again = _solution(step, solver, step.evaluate(unknowns), ambiguous)
+    again = _solution(step, step.evaluate(unknowns), ambiguous)
     if again.converged:
         return outcome.followed_by(again)
     contacts.restore_interface(step)
     before = step.evaluate(unknowns)
-    if before.error > max(error, solver.tolerance):     # with other facets than those with which it converged
+    if before.error > max(error, step.model.solver.tolerance):     # with other facets than those with which it converged
         return outcome.followed_by(again)
     return again.followed_by(replace(outcome, evaluation=before))
 
 
-def _solution(step, solver, evaluation, ambiguous, backtrack=False):
+def _solution(step, evaluation, ambiguous, backtrack=False):
     """Outcome from an evaluation. Where contact points jump between facets they are held (`hybrid.contact.held_facets`), and
     may be carried by one whose overlap differs from that with the nearest one by a share of `ambiguous`."""
     contacts.release_facets(step)
-    outcome, held = _newton(step, solver, evaluation, backtrack), None
+    outcome, held = _newton(step, evaluation, backtrack), None
     for _ in range(HOLDS):
         if outcome.converged and contacts.facet_error(outcome.evaluation) <= ambiguous:
             break
@@ -105,56 +104,57 @@ def _solution(step, solver, evaluation, ambiguous, backtrack=False):
         if not outcome.converged and before and not any(comm.anywhere(a != b) for a, b in zip(before, held)):
             break       # the same facets, with which there was no solution
         start = step.evaluate(outcome.evaluation.unknowns)
-        outcome = outcome.followed_by(iterate(step, solver, start, Updates(PATIENCE, solver.line_search)))
+        outcome = outcome.followed_by(iterate(step, start, Updates(PATIENCE, step.model.solver.line_search)))
     else:
         if outcome.converged and contacts.facet_error(outcome.evaluation) > ambiguous:
             return replace(outcome, reason=f"contact points jump between facets of a body, {HOLDS} times")
     if outcome.converged:
         return replace(outcome, judged=outcome.judged or contacts.facet_error(outcome.evaluation) > AMBIGUOUS)
-    return outcome if outcome.evaluation is None else _judge(step, solver, outcome)
+    return outcome if outcome.evaluation is None else _judge(step, outcome)
 
 
-def _judge(step, solver, outcome):
+def _judge(step, outcome):
     """`outcome` of a solution that made no progress any more, converged where its residual is a hair above the
     tolerance, or within round-off of the soil's stiffness and small beside the forces acting."""
     best = step.evaluate(outcome.evaluation.unknowns)
     if contacts.facet_error(best) > AMBIGUOUS:
         return outcome
-    if best.error <= RELAXED * solver.tolerance or best.error <= AT_ROUND_OFF and step.within_rounding(best):
+    if best.error <= RELAXED * step.model.solver.tolerance or best.error <= AT_ROUND_OFF and step.within_rounding(best):
         return replace(outcome, evaluation=best, reason="", judged=True)
     return outcome
 
 
-def _newton(step, solver, evaluation, backtrack=False):
+def _newton(step, evaluation, backtrack=False):
     """Outcome of `_updates` without the ramp of adhesion in the tangent; where these have no solution and contact points are
     on it, with it, from the start again."""
-    outcome = _updates(step, solver, evaluation, backtrack)
+    outcome = _updates(step, evaluation, backtrack)
     if outcome.converged or not contacts.on_adhesion_ramp(step, outcome.evaluation):
         return outcome
-    again = _updates(step, solver, step.evaluate(evaluation.unknowns), backtrack, Tangent.UNSOFTENED)
+    again = _updates(step, step.evaluate(evaluation.unknowns), backtrack, Tangent.UNSOFTENED)
     return outcome.followed_by(again)
 
 
-def _updates(step, solver, evaluation, backtrack=False, far=Tangent.DEFINITE):
+def _updates(step, evaluation, backtrack=False, far=Tangent.DEFINITE):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
     soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; far: of
     Updates."""
-    search, yields = solver.line_search, step.model.soil.law.plastic
+    solver, yields = step.model.solver, step.model.soil.law.plastic
+    search = solver.line_search
     full = Updates(TRIAL if search and yields else PATIENCE, far=far, may_diverge=not yields)
     careful, outcome = Updates(PATIENCE, backtrack=True, far=far), NOTHING
     if backtrack and search:
-        outcome = iterate(step, solver, evaluation, careful)
+        outcome = iterate(step, evaluation, careful)
         if outcome.converged:
             return outcome
         evaluation = step.evaluate(evaluation.unknowns)
-    outcome = outcome.followed_by(iterate(step, solver, evaluation, full))
+    outcome = outcome.followed_by(iterate(step, evaluation, full))
     if not outcome.converged and contacts.has_convex_contact(outcome.evaluation):
-        outcome = _from_best(step, solver, outcome, replace(full, near=far))
+        outcome = _from_best(step, outcome, replace(full, near=far))
     if not outcome.converged and search and outcome.evaluation.error > RELAXED * solver.tolerance:   # else accepted
-        outcome = _from_best(step, solver, outcome, careful)
+        outcome = _from_best(step, outcome, careful)
     return outcome
 
 
-def _from_best(step, solver, outcome, updates):
+def _from_best(step, outcome, updates):
     """`outcome` followed by `updates` from its best iterate."""
-    return outcome.followed_by(iterate(step, solver, step.evaluate(outcome.evaluation.unknowns), updates))
+    return outcome.followed_by(iterate(step, step.evaluate(outcome.evaluation.unknowns), updates))

@@ -121,12 +121,12 @@ def safeguards(monkeypatch, updates=Updates(5), stick=None, unknowns=1):
     carried.keep(0.1)
     law, scheme = SimpleNamespace(plastic=False), SimpleNamespace(inertia=True)
     step = SimpleNamespace(carried=carried, dt=0.1, assembled=assembled, soil=None,
-                           model=SimpleNamespace(scheme=scheme, soil=SimpleNamespace(law=law)),
+                           model=SimpleNamespace(solver=Solver(), scheme=scheme, soil=SimpleNamespace(law=law)),
                            system=SimpleNamespace(soil_unknowns=unknowns, solve=lambda *given: (None, None, 1)),
                            assemble=lambda *given: assembled.append(True))
     monkeypatch.setattr(sticking, "drifting", lambda *given: stick)
     monkeypatch.setattr(sticking, "held_in_stick", lambda step, evaluation, points: evaluation)
-    return Safeguards(step, Solver(), updates)
+    return Safeguards(step, updates)
 
 
 def at(error):

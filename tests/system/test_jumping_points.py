@@ -34,6 +34,8 @@ def ride(start, aside, mu, steps=25):
                            simulation.meshes).steps())
 
 
+MODEL = SimpleNamespace(solver=Solver(), soil=SimpleNamespace(law=SimpleNamespace(plastic=True)),
+                        scheme=SimpleNamespace(inertia=True))
 ROW = [0.125 * n / 16 for n in (7, 9, 11)]
 
 
@@ -75,18 +77,17 @@ def test_jumps_that_smoothing_takes_back_count(monkeypatch):
     def at(facet):
         return SimpleNamespace(error=1.0, bodies=[terms], contacts=[facet], soil=None, body=None, unknowns=facet, norms={})
 
-    model = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True))
     system = SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1)
-    step = SimpleNamespace(model=model, system=system, assemble=lambda *tangent: None, carried=CarriedTangent(), dt=0.1)
+    step = SimpleNamespace(model=MODEL, system=system, assemble=lambda *tangent: None, carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
     monkeypatch.setattr(sticking, "reversing", lambda *evaluations: None)
     monkeypatch.setattr(sticking, "drifting", lambda *evaluations: None)
     monkeypatch.setattr(held_facets, "switched", lambda before, after, surface: before != after)
     monkeypatch.setattr(iteration, "line_search", lambda *search: (at("the other one"), 1.0))
     monkeypatch.setattr(iteration, "smoothed", lambda *few: at("one"))
-    assert iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
+    assert iteration.iterate(step, at("one"), iteration.Updates(iteration.PATIENCE)).jumping
     monkeypatch.setattr(iteration, "line_search", lambda *search: (at("one"), 1.0))
-    assert not iteration.iterate(step, Solver(), at("one"), iteration.Updates(iteration.PATIENCE)).jumping
+    assert not iteration.iterate(step, at("one"), iteration.Updates(iteration.PATIENCE)).jumping
 
 
 @pytest.mark.parametrize("facets, tried", [([1, 1, 1], 1), ([1, 2, 1, 1], 3), (range(newton.HOLDS), newton.HOLDS)])
@@ -95,26 +96,26 @@ def test_corners_are_not_held_twice_to_the_same_facets(monkeypatch, facets, trie
     calls, facets = [], iter(facets)
     best = SimpleNamespace(unknowns=None, error=1.0)
     failed = iteration.Outcome(best, 1, 1, (1.0,), "residual", jumping=True)
-    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best, within_rounding=lambda best: False)
+    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best, within_rounding=lambda best: False, model=MODEL)
     monkeypatch.setattr(contacts, "facet_error", lambda evaluation: 0.0)
     monkeypatch.setattr(contacts, "hold_facets", lambda evaluation: [np.array([next(facets)])])
     monkeypatch.setattr(newton, "_newton", lambda *start: failed)
     monkeypatch.setattr(newton, "iterate", lambda *start: calls.append(start) or failed)
-    assert not newton._solution(step, Solver(), best, newton.AMBIGUOUS).converged and len(calls) == tried
+    assert not newton._solution(step, best, newton.AMBIGUOUS).converged and len(calls) == tried
 
 
 def test_a_corner_between_two_facets_is_carried_by_either_in_a_short_increment(monkeypatch):
     """Held to one, its overlap with the other is smaller by three quarters; at full length that is refused."""
     best, held = SimpleNamespace(unknowns=None, error=0.0), []
-    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best)
+    step = SimpleNamespace(bodies=(), evaluate=lambda unknowns: best, model=MODEL)
     monkeypatch.setattr(contacts, "facet_error", lambda evaluation: 0.75 if held else 0.0)
     monkeypatch.setattr(contacts, "hold_facets", lambda evaluation: held.append(0) or [np.zeros(1)])
     monkeypatch.setattr(newton, "_newton", lambda *start: iteration.Outcome(best, 9, 9, (1.0,), "residual", jumping=True))
     monkeypatch.setattr(newton, "iterate", lambda *start: iteration.Outcome(best, 2, 2, (1.0,)))
-    refused = newton._solution(step, Solver(), best, newton.AMBIGUOUS)
+    refused = newton._solution(step, best, newton.AMBIGUOUS)
     assert "jump between facets" in refused.reason and len(held) == newton.HOLDS
     held.clear()
-    outcome = newton._solution(step, Solver(), best, newton.BETWEEN)
+    outcome = newton._solution(step, best, newton.BETWEEN)
     assert outcome.converged and outcome.judged and outcome.iterations == 11 and len(held) == 1
 
 

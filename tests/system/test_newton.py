@@ -45,8 +45,8 @@ def test_a_collapse_takes_whole_updates(monkeypatch):
     """Up to 7 iterations a step; with backtracking from the start 124 instead of 86 in all."""
     records = bank(20)
     assert sum(r.rejections for r in records) == 0
-    monkeypatch.setattr(newton, "_newton", lambda step, solver, start, shorten: iteration.iterate(
-        step, solver, start, iteration.Updates(iteration.PATIENCE, backtrack=True)))
+    monkeypatch.setattr(newton, "_newton", lambda step, start, shorten: iteration.iterate(
+        step, start, iteration.Updates(iteration.PATIENCE, backtrack=True)))
     assert sum(r.iterations for r in bank(20)) > 1.3 * sum(r.iterations for r in records)
 
 
@@ -61,14 +61,14 @@ def test_a_long_step_needs_many_iterations_and_no_halving(monkeypatch):
     assert sum(r.iterations for r in counted) > 0.85 * sum(r.iterations for r in records)
 
 
-YIELDS = SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
+YIELDS = SimpleNamespace(solver=Solver(), soil=SimpleNamespace(law=SimpleNamespace(plastic=True)))
 
 
 def test_shorter_updates_start_from_the_best_iterate():
     """Whole updates that overshoot from side to side; the iterate that they were nearest with is not lost."""
     begun, error = [], 1.0
 
-    def iterate(step, solver, start, updates):
+    def iterate(step, start, updates):
         begun.append((start, updates))
         best = SimpleNamespace(unknowns="best", error=error)
         reason = "" if updates.backtrack else "residual"
@@ -81,7 +81,7 @@ def test_shorter_updates_start_from_the_best_iterate():
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "contacts", touching)
             patch.setattr(newton, "iterate", iterate)
-            outcome = newton._newton(step, Solver(), "first")
+            outcome = newton._newton(step, "first")
         unsoftened = [("best", iteration.Updates(newton.TRIAL, near=Tangent.DEFINITE))] * softened
         assert begun == [("first", iteration.Updates(newton.TRIAL)), *unsoftened,
                          ("best", iteration.Updates(iteration.PATIENCE, backtrack=True))]
@@ -91,7 +91,7 @@ def test_shorter_updates_start_from_the_best_iterate():
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(newton, "contacts", touching)
             patch.setattr(newton, "iterate", iterate)
-            newton._newton(step, Solver(), "first")
+            newton._newton(step, "first")
         assert len(begun) == shorter - 1    # a hair above the tolerance is accepted as it is
         error = 1.0
 
@@ -100,7 +100,7 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
     """From the start, which updates without it have led away from."""
     begun = []
 
-    def iterate(step, solver, start, updates):
+    def iterate(step, start, updates):
         begun.append((start, updates.far is Tangent.UNSOFTENED))
         best = SimpleNamespace(unknowns="best", error=1.0)
         return iteration.Outcome(best, 3, 0, (1.0,), "" if begun[-1][1] else "residual")
@@ -111,7 +111,7 @@ def test_where_points_are_on_the_ramp_of_adhesion_all_is_tried_again_with_it(mon
         step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
         monkeypatch.setattr(newton, "contacts", SimpleNamespace(
             has_convex_contact=lambda evaluation: False, on_adhesion_ramp=lambda *given: on_ramp))
-        outcome = newton._newton(step, Solver(), SimpleNamespace(unknowns="first"))
+        outcome = newton._newton(step, SimpleNamespace(unknowns="first"))
         assert outcome.converged == on_ramp and outcome.iterations == 3 * len(begun)
         assert [ramp for _, ramp in begun] == [False, False] + [True] * on_ramp and begun[1][0] == "best"
         assert not on_ramp or begun[2][0] == "first"
@@ -121,7 +121,7 @@ def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypa
     """And whole ones again where they fail, from the first guess; without a line search there are none."""
     begun, fails = [], False
 
-    def iterate(step, solver, start, updates):
+    def iterate(step, start, updates):
         begun.append((start, updates.backtrack))
         best = SimpleNamespace(unknowns="best", error=1.0)
         return iteration.Outcome(best, 3, 0, (1.0,), "residual" if fails and len(begun) == 1 else "",
@@ -130,15 +130,16 @@ def test_shorter_updates_come_first_after_an_increment_that_needed_them(monkeypa
     monkeypatch.setattr(newton, "iterate", iterate)
     step = SimpleNamespace(model=YIELDS, evaluate=lambda unknowns: unknowns)
     start = SimpleNamespace(unknowns="first")
-    assert newton._newton(step, Solver(), start, backtrack=True).backtracked and begun == [(start, True)]
+    assert newton._newton(step, start, backtrack=True).backtracked and begun == [(start, True)]
     fails = True
     begun.clear()
-    outcome = newton._newton(step, Solver(), start, backtrack=True)
+    outcome = newton._newton(step, start, backtrack=True)
     assert outcome.converged and outcome.iterations == 6 and not outcome.backtracked
     assert begun == [(start, True), ("first", False)]
     fails = False
     begun.clear()
-    newton._newton(step, Solver(line_search=False), start, backtrack=True)
+    step.model = SimpleNamespace(solver=Solver(line_search=False), soil=YIELDS.soil)
+    newton._newton(step, start, backtrack=True)
     assert begun == [(start, False)]
 
 
@@ -151,7 +152,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
         return SimpleNamespace(error=error, bodies=[terms], contacts=[None], soil=None, body=None, unknowns=None, norms={})
 
     step = SimpleNamespace(
-        model=SimpleNamespace(soil=SimpleNamespace(law=SimpleNamespace(plastic=True)), scheme=SimpleNamespace(inertia=True)),
+        model=SimpleNamespace(solver=Solver(), soil=YIELDS.soil, scheme=SimpleNamespace(inertia=True)),
         system=SimpleNamespace(solve=lambda *system: (None, None, 1), soil_unknowns=1),
         assemble=lambda evaluation, kind, elastic: tangents.append(kind), carried=CarriedTangent(), dt=0.1)
     monkeypatch.setattr(contacts, "stiffness_ratio", lambda step: 0.0)
@@ -163,7 +164,7 @@ def test_updates_that_go_astray_are_not_followed(monkeypatch):
                                   (0.01, iteration.Updates(4, backtrack=True, smooth=False, near=Tangent.DEFINITE), 4)):
         monkeypatch.setattr(iteration, "line_search", lambda *search: (at(0.9), 1.0))
         tangents.clear()
-        assert iteration.iterate(step, Solver(), at(start), updates).iterations == count
+        assert iteration.iterate(step, at(start), updates).iterations == count
         assert tangents == [updates.near] * count
 
 
@@ -351,9 +352,9 @@ def test_an_increment_is_what_it_was_where_adhesion_shared_anew_has_no_solution(
 
     first = iteration.Outcome(evaluated(1e-6), 3, 9, (1.0, 1e-6))
     failed = iteration.Outcome(None, 2, 5, (1.0,), "no progress")
-    monkeypatch.setattr(newton, "_solution", lambda *given: bounds.append(given[3]) or failed)
-    step = SimpleNamespace(bodies=(), evaluate=lambda u: evaluated(error))
-    outcome = newton._shared(step, SimpleNamespace(tolerance=1e-4), first, newton.BETWEEN)
+    monkeypatch.setattr(newton, "_solution", lambda *given: bounds.append(given[2]) or failed)
+    step = SimpleNamespace(bodies=(), evaluate=lambda u: evaluated(error), model=SimpleNamespace(solver=Solver()))
+    outcome = newton._shared(step, first, newton.BETWEEN)
     assert outcome.converged == converged and outcome.iterations == 5 and bounds == [newton.BETWEEN]
     assert not converged or outcome.evaluation.error == error
 
@@ -369,5 +370,5 @@ def test_a_solution_lost_when_adhesion_is_shared_anew_is_not_accepted(reason, mo
     monkeypatch.setattr(newton, "starts", lambda step, evaluation: [found])
     monkeypatch.setattr(newton, "rejection", lambda step, evaluation, short: "" if evaluation is found else "looked at")
     monkeypatch.setattr(contacts, "share_interface", lambda evaluation: 1.0)
-    step = SimpleNamespace(bodies=(), pairs=None, model=SimpleNamespace(solver=None, scheme=SimpleNamespace(inertia=True)))
+    step = SimpleNamespace(bodies=(), pairs=None, model=SimpleNamespace(scheme=SimpleNamespace(inertia=True)))
     assert newton.solve(step).reason == reason

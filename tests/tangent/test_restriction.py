@@ -59,7 +59,7 @@ def test_nodes_with_most_of_the_residual_are_solved_for(geometry, monkeypatch):
     size[step.pattern.free] = whole.soil
     assert nodes[np.argmax(np.linalg.norm(size, axis=1))] and not nodes.all()
     part = restriction.restricted(step, nodes, whole)
-    new = iteration.smoothed(step, step.model.solver, whole, iteration.Updates(iteration.PATIENCE))
+    new = iteration.smoothed(step, whole, iteration.Updates(iteration.PATIENCE))
     assert part.evaluate(new.unknowns).error < iteration.SMOOTH * part.evaluate(whole.unknowns).error
 
 
@@ -70,7 +70,7 @@ def test_what_cannot_be_restricted_is_left(geometry, monkeypatch):
     assert restriction.rough_nodes(step, whole) is not None
     assert restriction.rough_nodes(elastic, elastic.evaluate(trial)) is None
     monkeypatch.setattr(restriction, "FEW", 0.0)
-    assert restriction.rough_nodes(step, whole) is None and iteration.smoothed(step, step.model.solver, whole, None) is whole
+    assert restriction.rough_nodes(step, whole) is None and iteration.smoothed(step, whole, None) is whole
     monkeypatch.setattr(restriction, "FEW", 2.0)
     monkeypatch.setattr(of_soil, "can_be_restricted", lambda soil: False)
     assert restriction.rough_nodes(step, whole) is None
