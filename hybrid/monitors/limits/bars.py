@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import loadings
 from hybrid.monitors.limits.materials import CLAY, law_at
 from hybrid.monitors.limits.shape import feet
 from hybrid.monitors.limits.start import top_of
@@ -33,7 +33,7 @@ def bars(scene, model):
     if soil.held or soil.grid.collapsed.any():
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    for body, travel, place, plane, *_ in loadings(scene, model):
         down = plane and travel[2] <= -DOWN * np.linalg.norm(travel)
         if not down or law_at(scene, soil, place[:, 2].min() - 0.5 * cell) != CLAY:
             continue

@@ -41,7 +41,7 @@ import numpy as np
 from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import loadings
 from hybrid.monitors.limits.materials import CLAY, SAND, material_at
 from hybrid.monitors.limits.shape import narrowest
 from hybrid.monitors.limits.start import initial_vertices
@@ -139,9 +139,7 @@ def squeezed_layer(scene, model):
     if soil.held or not soil.law.plastic or soil.grid.collapsed.sum() != 1:
         return
     cell, bases = soil.grid.smallest_cell, {height: name for height, name, _ in hard_bases(scene, model)}
-    moved = [(*found, -found[1][2]) for found in driven(scene, model)]
-    moved += [(*found[:4], 0.0) for found in loaded(scene, model)]
-    for body, travel, place, plane, way in moved:
+    for body, travel, place, plane, by_force, *_ in loadings(scene, model):
         bottom = place[:, 2].min()
         top = max((height for height in bases if height < bottom - ON_IT * cell), default=None)
         if top is None or not plane or travel[2] >= 0.0:
@@ -153,7 +151,7 @@ def squeezed_layer(scene, model):
         if material.friction_angle:
             kind, (excess, size) = "soil with friction", _with_friction(material, body.friction, thick, width, cell)
         else:
-            kind, number = "clay", SQUEEZED + PRESSED * min(max(way, 0.0) / thick, MOST)
+            kind, number = "clay", SQUEEZED + PRESSED * min((0.0 if by_force else -travel[2]) / thick, MOST)
             excess, size = number * cell / thick, EXCESS / number * thick
         if thick < THIN * width and excess > EXCESS:
             under = f"{'the' if bases[top].startswith('fixed') else 'a'} {bases[top]}"

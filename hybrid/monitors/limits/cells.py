@@ -71,13 +71,13 @@ def few_cells(scene, model):
     """Bodies driven through clay with a plane face, or loaded until they go through it, so few cells wide that their load
     is more than EXCESS too high."""
     cell = model.soil.grid.resolution
-    pushed = [(*found, False, 0.0, -found[1][2]) for found in driven(scene, model)]
-    pushed += [(body, cell * force / np.linalg.norm(force), *others, -np.inf)
-               for body, force, *others in loaded(scene, model) if not body.below_capacity]
-    several = Counter(body.name for body, *_ in pushed)
-    for body, travel, place, plane, inclined, arm, depth in pushed:
+    pushed = [*driven(scene, model), *(found for found in loaded(scene, model) if not found.body.below_capacity)]
+    several = Counter(found.body.name for found in pushed)
+    for body, travel, place, plane, by_force, inclined, arm in pushed:
         if not plane:
             continue
+        depth = -np.inf if by_force else -travel[2]
+        travel = cell * travel / np.linalg.norm(travel) if by_force else travel
         combined = inclined or arm > 0.0
         eccentric, attached = (of(scene, model, body, travel, place, arm) for of in (_eccentric, _attached))
         other = attached[0] or eccentric[0] and not inclined
@@ -113,7 +113,7 @@ def trapdoors(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         width, top = narrowest(soil.grid, place, travel), place[:, 2].max()
         door = plane and travel[2] < 0.0 and width and _under_all(soil, place)
         if not door:
@@ -145,7 +145,7 @@ def weak_cone_match(scene, model):
     if soil.held or material.law != CLAY or soil.grid.collapsed.any() or material.cone != "plane strain":
         return
     top = top_of(soil)
-    for body, travel, place, plane in through_clay(scene, model):
+    for body, travel, place, plane, *_ in through_clay(scene, model):
         depth = top - place[:, 2].min() - min(travel[2], 0.0)
         # of the whole, where half of it is modelled
         width = narrowest(soil.grid, place, np.array([0.0, 0.0, 1.0]))
@@ -166,7 +166,7 @@ def wedges(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
     cell, top = soil.grid.resolution, top_of(soil)
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         depth = top - place[:, 2].min() - travel[2]
         known = not plane and travel[2] < 0.0 < depth and law_at(scene, soil, top - 0.5 * cell) == CLAY
         excess = WEDGE * cell / depth if known and _is_wedge(body, place, travel) else 0.0

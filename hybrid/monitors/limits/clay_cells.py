@@ -68,7 +68,7 @@ def drawn_walls(scene, model):
     """Upright walls that are driven away from clay in plane strain."""
     if scene.gravity[2] >= 0.0:
         return
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, {CLAY}, away=True) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _active(scene, model.soil, body, place, travel, depth.behind, "moves away from", "its load is")
@@ -92,7 +92,7 @@ def flow_around(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.sum() != 1:
         return
-    for body, travel, place, plane in through_clay(scene, model):
+    for body, travel, place, plane, *_ in through_clay(scene, model):
         width = narrowest(soil.grid, place, travel)
         above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
         if plane or not width or above < COVERED * width or leading_normal(body, place, travel) is not None or law_at(
@@ -110,7 +110,7 @@ def flow_around(scene, model):
 def pushed_pipes(scene, model):
     """Round bodies driven down into clay in plane strain that does not cover them, so few cells wide that their load is more
     than EXCESS too high."""
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         width = _width_on_clay(scene, model.soil, body, place)
         depth = top_of(model.soil) - place[:, 2].min() - travel[2]
         if not plane and width and travel[2] < 0.0 and depth > PUSHED * width:
@@ -166,8 +166,8 @@ def lifted_plates(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell, started = soil.grid.resolution, {}
-    raised = [found[:4] for found in loaded(scene, model) if found[1][2] > -scene.gravity[2] * found[0].mass.mass]
-    for body, travel, place, plane in [*driven(scene, model), *raised]:
+    raised = [found for found in loaded(scene, model) if found.travel[2] > -scene.gravity[2] * found.body.mass.mass]
+    for body, travel, place, plane, *_ in [*driven(scene, model), *raised]:
         across, depth = list(sides(soil.grid, place, up)), top_of(soil) - place[:, 2].max()
         if started.setdefault(body.name, depth) <= 0.0:     # what it has been pressed into before is an open hole
             continue
@@ -195,7 +195,7 @@ def balls(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    for body, travel, place, plane in through_clay(scene, model):
+    for body, travel, place, plane, *_ in through_clay(scene, model):
         width = narrowest(soil.grid, place, travel)
         short = np.ptp(place[:, 2]) <= SHAFT * width
         above = top_of(soil) - place[:, 2].max() - min(travel[2], 0.0)
@@ -216,7 +216,7 @@ def penetrators(scene, model):
     soil = model.soil
     if soil.held or soil.grid.collapsed.any():
         return
-    for body, travel, place in [*(found[:3] for found in driven(scene, model)), *_falling(scene, model)]:
+    for body, travel, place, *_ in [*driven(scene, model), *_falling(scene, model)]:
         width = narrowest(soil.grid, place, travel)
         depth = top_of(soil) - place[:, 2].min() - travel[2]
         down = travel[2] < 0.0 and -travel[2] > np.abs(travel[:2]).max() and np.ptp(place[:, 2]) > SHAFT * width > 0.0

@@ -38,7 +38,7 @@ from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
 from hybrid.monitors.limits.cell_size import EXCESS
-from hybrid.monitors.limits.loading import bodies_joined_to, driven, loaded
+from hybrid.monitors.limits.loading import Loading, bodies_joined_to, loadings
 from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.rolling import contact_radius
 from hybrid.monitors.limits.shape import is_round, leads, narrowest, sides
@@ -104,15 +104,15 @@ def soft_springs(scene, model):
     soil, down = model.soil, np.array([0.0, 0.0, -1.0])
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
-    pressed = [(body, travel, -travel[2], place, plane, 0.0) for body, travel, place, plane in driven(scene, model)]
-    pressed += [(body, force, None, place, plane, arm) for body, force, place, plane, _, arm in loaded(scene, model)]
-    known = {body.name for body, *_ in pressed}
+    pressed = loadings(scene, model)
+    known = {found.body.name for found in pressed}
     pressed += [] if model.scheme.inertia else _under_joints(scene, model, known)
-    for body, travel, depth, place, plane, arm in pressed:
+    for body, travel, place, plane, by_force, _, arm in pressed:
         cell, width, bottom = soil.grid.resolution, narrowest(soil.grid, place, down), place[:, 2].min()
         stands = plane and width > 0.0 and bottom < top_of(soil) + cell and travel[2] < 0.0
-        if depth is not None:
-            depth = min(depth, top_of(soil) - bottom + depth)       # of that what is in the soil
+        depth = None
+        if not by_force:
+            depth = -travel[2] + min(top_of(soil) - bottom, 0.0)    # of that what is in the soil
             stands &= depth > 0.0
         lid = covers(place, soil)      # of a specimen, which is as soft as its soil
         if not stands or lid or body.places.at_corners or body.penalty * cell > SOFTEST:
@@ -133,13 +133,14 @@ def soft_springs(scene, model):
 
 
 def _under_joints(scene, model, known):
-    """As bodies `loaded` along z, those of which it is not `known` because joints hand on to them what others carry."""
+    """[Loading] as of bodies `loaded` along z, those of which it is not `known` because joints hand on to them what others
+    carry."""
     found = []
     for i, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         if bodies_joined_to(scene, i) - {None} and body.free[2] and body.name not in known:
             whole, place = outline(described, body, model.soil)
             travel = np.array([0.0, 0.0, -1.0])
-            found.append((whole, travel, None, place, leads(whole, place, travel), 0.0))
+            found.append(Loading(whole, travel, place, leads(whole, place, travel), by_force=True))
     return found
 
 

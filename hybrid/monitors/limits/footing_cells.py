@@ -65,7 +65,7 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import loadings
 from hybrid.monitors.limits.materials import SAND, material_at
 from hybrid.monitors.limits.sand_cells import clay_under
 from hybrid.monitors.limits.shape import leading_normal, narrowest, sides
@@ -90,17 +90,15 @@ def cohesive_strips(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.resolution
-    pushed = [(*found, found[1], 0.0) for found in driven(scene, model)]
-    # how far these go is not known; a load beside the middle stands on less
-    pushed += [(*found[:4], np.zeros(3), found[5]) for found in loaded(scene, model)]
-    for body, travel, place, plane, moved, arm in pushed:
+    for body, travel, place, plane, by_force, _, arm in loadings(scene, model):
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         lid = covers(place, soil)
         if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
-            yield from _strip(body, max(width - 2.0 * arm, cell), cell, material, -moved[2])
+            # a load beside the middle stands on less
+            yield from _strip(body, max(width - 2.0 * arm, cell), cell, material, 0.0 if by_force else -travel[2])
 
 
 def _strip(body, width, cell, material, travel):
@@ -127,7 +125,7 @@ def lifted(scene, model):
     if soil.held or soil.grid.collapsed.sum() > 1 or scene.gravity[2] >= 0.0:
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    for body, travel, place, plane, *_ in loadings(scene, model):
         top, width = place[:, 2].max(), narrowest(soil.grid, place, travel)
         inclined = not plane and leading_normal(body, place, travel) is not None
         if travel[2] <= 0.0 or not width or top_of(soil) - top <= cell or inclined:

@@ -1,9 +1,12 @@
 """How bodies load the soil: which are driven where, their travel, or pushed by which force, with a plane face ahead or not.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from hybrid.body.paths import path_along
+from hybrid.body.rigid import RigidBody
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.materials import material_at
 from hybrid.monitors.limits.shape import PLANE, leading_normal, leads
@@ -17,10 +20,30 @@ PUSHED = 5.0                    # s_u: pipes and balls deep in clay carry 9 to 1
 AT_POINT = "hinge", "ball", "weld"
 
 
+class Loading(NamedTuple):
+    """How a body loads the soil.
+
+    body      RigidBody with the surface of the whole body
+    travel    (3,) [m]; of one that forces push the largest component [N] of the largest force
+    place     (V, 3) [m] of its vertices where it begins
+    plane     whether a plane face leads
+    by_force  whether forces push it, and how far it goes is not known
+    inclined  whether their resultant is
+    arm       [m] on which that acts beside the centre, of the base where it presses that
+    """
+
+    body: RigidBody
+    travel: np.ndarray
+    place: np.ndarray
+    plane: bool
+    by_force: bool = False
+    inclined: bool = False
+    arm: float = 0.0
+
+
 def driven(scene, model):
-    """(RigidBody, travel (3,) [m], places (V, 3) [m] of its vertices where it begins, whether a plane face leads) of each
-    travel of each body that is driven, welded to one that is, drawn or pressed upright by a pull line, a rope or a rod, or
-    pressed down by one that stands on it, and gets to the soil."""
+    """Loading by each travel of each body that is driven, welded to one that is, drawn or pressed upright by a pull line, a
+    rope or a rod, or pressed down by one that stands on it, and gets to the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
@@ -30,7 +53,7 @@ def driven(scene, model):
             if _gets_to(model.soil, place + start, travel):
                 straight = _straight(whole, place, travel)
                 lower = np.array([0.0, 0.0, min(travel[2] - straight[2], 0.0)])     # it goes forwards as deep as in the end
-                yield whole, straight, place + start + lower, leads(whole, place, straight)
+                yield Loading(whole, straight, place + start + lower, leads(whole, place, straight))
 
 
 def _travels(scene, model, number):
@@ -113,10 +136,8 @@ def _with(found, start, travel):
 
 
 def loaded(scene, model):
-    """(RigidBody, travel (3,), places (V, 3) [m], whether a plane face leads, whether the load is inclined, arm [m] on which
-    it acts beside the centre, of the base where it presses that) of each body that is free to follow forces of a stage, or
-    that a point of it drives, and that neither another body nor the ground carries above the soil; the travel is the largest
-    component [N] of the largest force."""
+    """Loading by each body that is free to follow forces of a stage, or that a point of it drives, and that neither another
+    body nor the ground carries above the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
@@ -136,21 +157,27 @@ def loaded(scene, model):
         arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
         if all(j is not None and above[j] for j in bodies_joined_to(scene, i)):
             arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
-        yield (whole, travel, place, leads(whole, place, travel), inclined,
-               arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+        yield Loading(whole, travel, place, leads(whole, place, travel), True, inclined,
+                      arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+
+
+def loadings(scene, model):
+    """[Loading] by all bodies: those that are driven, then those that forces push."""
+    return [*driven(scene, model), *loaded(scene, model)]
 
 
 def through_clay(scene, model):
-    """(RigidBody, travel (3,) [m], places (V, 3) [m], whether a plane face leads) of each driven body, and of each that
-    forces of a stage push by PUSHED of its area across them and more, where clay flows around it; the travel is a cell."""
+    """Loading by each driven body, and by each that forces of a stage push by PUSHED of its area across them and more, where
+    clay flows around it; the travel [m] is then a cell."""
     yield from driven(scene, model)
     grid = model.soil.grid
-    for body, force, place, plane, *_ in loaded(scene, model):
+    for found in loaded(scene, model):
+        body, force, place, *_ = found
         size = np.minimum(np.ptp(place, axis=0), np.ptp(grid.extent, axis=1))
         strength = material_at(scene, model.soil, place[:, 2].mean()).strength or np.inf
         whole = copies(body.mirrors) * np.linalg.norm(force)
         if whole > PUSHED * strength * np.prod(size[force == 0.0]):
-            yield body, grid.smallest_cell * force / np.linalg.norm(force), place, plane
+            yield found._replace(travel=grid.smallest_cell * force / np.linalg.norm(force))
 
 
 def bodies_joined_to(scene, number, kinds=AT_POINT):

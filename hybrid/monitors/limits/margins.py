@@ -19,7 +19,7 @@ with 0.5 of its diameter before and behind it, 4 % with one diameter.
 import numpy as np
 
 from hybrid.monitors.limits.base import hard_bases
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import driven, loadings
 from hybrid.monitors.limits.materials import SAND, material_at
 from hybrid.monitors.limits.start import covers, initial_vertices, top_of
 from hybrid.runtime.comm import maximum
@@ -37,8 +37,7 @@ HEAVE, ROOM = 0.25, 0.5     # cells from the highest points to the surface, and 
 def narrow_margins(scene, model):
     """Bodies pressed down into soil that ends at a face of the grid beside or below them, nearer than their failure
     mechanism reaches."""
-    pressed = [(*each[:3], False) for each in driven(scene, model)] + [(*each[:3], True) for each in loaded(scene, model)]
-    for body, travel, place, by_force in pressed:
+    for body, travel, place, _, by_force, *_ in loadings(scene, model):
         if travel[2] > -DOWN * np.linalg.norm(travel):
             continue
         rough = bool(body.friction > 0.0)
@@ -71,7 +70,7 @@ def narrow_ahead(scene, model):
     in_plan, base = soil.grid.collapsed[2], extent(soil.constants, 2)[0] + soil.grid.smallest_cell
     followed = next((initial_vertices(*each) for each in zip(scene.bodies, model.bodies)
                      if scene.grid.follow in (None, each[1].name)), None)
-    for body, travel, place, _ in driven(scene, model):
+    for body, travel, place, *_ in driven(scene, model):
         axis = int(np.argmax(np.abs(travel)))
         if axis == 2 or abs(travel[axis]) < DOWN * np.linalg.norm(travel) or not in_plan and place[:, 2].min() < base:
             continue        # down; obliquely; a piston, which nothing gets around
@@ -125,7 +124,7 @@ def _closed(scene, soil, axis, side):
 
 def covered(scene, model):
     """Bodies pressed down that cover all of a soil that yields, up to faces of the grid that hold it."""
-    for body, travel, place, *_ in [*driven(scene, model), *loaded(scene, model)]:
+    for body, travel, place, *_ in loadings(scene, model):
         soil = model.soil
         axes = np.flatnonzero(~soil.grid.collapsed[:2])
         ends = [(extent(soil.constants, axis), soil.grid.extent[axis], "xy"[axis]) for axis in axes]
@@ -150,7 +149,7 @@ def no_room_above(scene, model):
     open_ = scene.grid.faces.z_max == "free" and not scene.grid.z.moves and not soil.grid.collapsed[2]
     if not open_ or soil.stray != "stop" or top < end - ROOM * cell:
         return
-    for body, travel, place, _ in driven(scene, model):
+    for body, travel, place, *_ in driven(scene, model):
         deep = place[:, 2].max() < top - np.ptp(place, axis=0).max()      # clay closes behind it
         if np.linalg.norm(travel) > HEAVE * cell and not deep:
             yield (f"{body.name} is driven by {np.linalg.norm(travel):.3g} m through soil that reaches the upper end of the "

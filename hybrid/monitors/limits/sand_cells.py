@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import driven, loadings
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
 from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of
@@ -70,7 +70,7 @@ class Sides(NamedTuple):
 def pushed_walls(scene, model):
     """Walls, upright or inclined, that are driven against sand, and in plane strain upright ones that move away from it."""
     yield from pushed(scene, model, SAND, IN_SAND)
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, SAND, away=True) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
             yield from _retained(scene, model.soil, body, place, depth.behind, "moves away from", "its load is")
@@ -79,7 +79,7 @@ def pushed_walls(scene, model):
 def pushed(scene, model, laws, wedge):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
     spaces = (1,) if wedge.in_space is None else (0, 1)
-    for body, travel, place, _ in driven(scene, model):
+    for body, travel, place, *_ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, laws, spaces)
         angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
@@ -123,7 +123,7 @@ def footings(scene, model):
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane in [*driven(scene, model), *(found[:4] for found in loaded(scene, model))]:
+    for body, travel, place, plane, *_ in loadings(scene, model):
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         if not plane or travel[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
@@ -149,7 +149,7 @@ def pipes(scene, model):
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() != 1 or soil.grid.collapsed[2]:
         return
     cell, top = soil.grid.resolution, top_of(soil)
-    for body, travel, place, plane in driven(scene, model):
+    for body, travel, place, plane, *_ in driven(scene, model):
         bottom = place[:, 2].min()
         round_one = not plane and travel[2] < 0.0 and leading_normal(body, place, travel) is None
         if not round_one or bottom < top - LAID * cell or law_at(scene, soil, bottom - 0.5 * cell) not in SAND:

@@ -8,7 +8,7 @@ leg's depth: a third more than with half the cells.
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import driven, loaded
+from hybrid.monitors.limits.loading import loadings
 from hybrid.monitors.limits.shape import feet, heading, narrowest
 from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import anywhere
@@ -23,10 +23,8 @@ def unjudged(scene, model, messages):
     """Bodies less than FEW cells wide across their path through soil that yields; messages: texts of other limits."""
     cell = model.soil.grid.smallest_cell
     found = {_subject(text, model.bodies) for text in messages if " cell" in text}
-    moves = [(body, travel, travel, place, plane) for body, travel, place, plane in driven(scene, model)]
-    moves += [(body, force, cell * force / np.linalg.norm(force), place, plane)
-              for body, force, place, plane, *_ in loaded(scene, model)]
-    for body, travel, moved, place, plane in moves:
+    for body, travel, place, plane, by_force, *_ in loadings(scene, model):
+        moved = cell * travel / np.linalg.norm(travel) if by_force else travel
         legs = feet(body, place, moved, top_of(model.soil)) if plane and travel[2] < 0.0 else []
         parts = [leg for *_, leg in legs] if len(legs) > 1 else [place]
         widths = [narrowest(model.soil.grid, part, travel) for part in parts]
