@@ -5,7 +5,8 @@
   contact_points.py they become material points carried by the grid, called contact points
 3 first_contact.py  predicts where an open contact point will touch: the anchor of its tangential spring
 4 closest_points.py closest points of the body's surface
-  soil_to_body.py   law of contact there: pressure, stick or slip, tangent
+  soil_to_body.py   which points press on it there
+  law.py            law of contact: pressure, stick or slip, tangent
   reversals.py      points that Newton's method carries from slip to slip the other way, held in stick
   held_facets.py    points between two facets, held to one of them
   interface.py      clay that sticks: adhesion, tension until it breaks away

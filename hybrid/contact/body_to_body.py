@@ -1,4 +1,4 @@
-"""Contact of two rigid bodies: the law of `hybrid.contact.soil_to_body` at places on the surface of each.
+"""Contact of two rigid bodies: the law of `hybrid.contact.law` at places on the surface of each.
 
     F = ½ Σ k a f(y)  over places x = c_a + R_a X of body a, and the other way round
     y = R_bᵀ (x - c_b)  in the frame of body b
@@ -25,8 +25,9 @@ from hybrid.body.attitude import skews
 from hybrid.body.closest import closest_facing
 from hybrid.body.facet_tree import LANES, outside_bounds, tree_of_parts
 from hybrid.body.surface import ContactSurface
-from hybrid.contact import closest_points, soil_to_body
+from hybrid.contact import closest_points
 from hybrid.contact.interface import NONE
+from hybrid.contact.law import NOWHERE, ClosedPoints, ContactResponse, Coulomb, contact_law
 from hybrid.contact.relative_path import FACING, predict, relative_path
 from hybrid.contact.samples import BodyPlaces, Samples
 from hybrid.contact.tunnelling import FINEST, FRACTIONS, pierced
@@ -143,7 +144,7 @@ class SideStep:
     rest: np.ndarray
     stiffness: np.ndarray
     overlap: np.ndarray
-    law: soil_to_body.Coulomb
+    law: Coulomb
     collapsed: np.ndarray
     sticking: np.ndarray | None = None
     closes: bool = False
@@ -171,11 +172,11 @@ class SideStep:
         active, kept = np.flatnonzero(touches), np.flatnonzero(touches | (rest < free))
         points = points.select(active)
         origin = np.where(self.touching[active, None], self.anchor[active], self.start[active])
-        sticking = soil_to_body.NOWHERE if self.sticking is None else self.sticking[active]
-        closed = soil_to_body.ClosedPoints(
+        sticking = NOWHERE if self.sticking is None else self.sticking[active]
+        closed = ClosedPoints(
             y[active], self.anchor[active], origin, self.stiffness[active], pressed[active], NONE, sticking, steady[active])
-        found = soil_to_body.ContactResponse.empty(len(active))
-        soil_to_body.contact_law(closed, points, self.law, surface.tree, found)
+        found = ContactResponse.empty(len(active))
+        contact_law(closed, points, self.law, surface.tree, found)
         R = pose_b[1]
         arm_b = y[active] @ R.T
         arm_a = self.places.point[active] @ pose_a[1].T

@@ -1,7 +1,7 @@
 """Contact of one rigid body with the soil during a step: points on the soil's surface against the body's surface.
 
     ∫ p_f E g dA  over the soil's surface, by the contact points near the body        `hybrid.contact.contact_points`
-    law of penalty and friction at each of them                                      `hybrid.contact.soil_to_body`
+    those that press, and the law of penalty and friction at each of them            `hybrid.contact.soil_to_body`, `law`
     their forces and tangent in the block system                                     `hybrid.contact.assembly`
 """
 

@@ -2,7 +2,7 @@
 where it does not lie on a curved face.
 
     F = Σ k a f(y)      over places of the body's faces, edges and corners (`hybrid.contact.samples`), f the law of
-                        `hybrid.contact.soil_to_body` against the ground, a rigid block at rest
+                        `hybrid.contact.law` against the ground, a rigid block at rest
 
 Points of the ground cannot see an edge or a corner that comes down between them, and take the normals of the faces beside
 it: a cube that fell on its edge was pushed sideways and gained 30 % of its energy, the more the smaller the cells, and one
@@ -22,9 +22,10 @@ import numpy as np
 
 from hybrid.contact import assembly, body_to_body
 from hybrid.contact.body_to_body import PairContact, Side
+from hybrid.contact.law import Coulomb
 from hybrid.contact.pair import Pair
 from hybrid.contact.samples import BodyPlaces
-from hybrid.contact.soil_to_body import Coulomb, PointContact
+from hybrid.contact.soil_to_body import PointContact
 from hybrid.runtime import ranks
 from hybrid.runtime.comm import total
 from hybrid.state import ContactHistory

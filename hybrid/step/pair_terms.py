@@ -19,7 +19,7 @@ import numpy as np
 from hybrid.body.rigid import reduced_mass, turn_between
 from hybrid.contact import body_to_body
 from hybrid.contact.body_to_body import PairContact, Side, SideStep
-from hybrid.contact.soil_to_body import Coulomb
+from hybrid.contact.law import Coulomb
 from hybrid.state import PairHistory
 
 IMPACT = 5e-3   # of the size of the smaller body: overlap by an impact

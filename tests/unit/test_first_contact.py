@@ -7,9 +7,10 @@ from contact_bed import RIGHT_HAND, ball, body_at, box
 
 from hybrid.body.attitude import exp_so3
 from hybrid.body.closest import closest
-from hybrid.contact import body_to_body, samples, soil_to_body
+from hybrid.contact import body_to_body, samples
 from hybrid.contact.closest_points import gaps_within_bounds
 from hybrid.contact.first_contact import predicted_contact_points
+from hybrid.contact.law import Coulomb
 from hybrid.contact.search import distances
 
 
@@ -125,7 +126,7 @@ def test_contact_of_two_bodies_does_not_depend_on_the_number_of_threads():
     none = np.zeros(0, int), np.zeros((0, 3)), np.zeros(0)
 
     def searched():
-        begun = body_to_body.begin(side, apart, poses, 1.0, none, 1e6, soil_to_body.Coulomb(0.3, 0.5), np.zeros(3, bool))
+        begun = body_to_body.begin(side, apart, poses, 1.0, none, 1e6, Coulomb(0.3, 0.5), np.zeros(3, bool))
         found = begun.evaluate(poses)
         return found.active, found.gap, found.force
 
