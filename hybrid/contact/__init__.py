@@ -19,5 +19,5 @@ samples.py, body_to_body.py: places on the surfaces of two bodies, and their con
 on_ground.py: the same of a body with level held ground where it stands on edges or plane faces, instead of 1 to 6;
 soft_edges.py: springs beside sharp edges on elastic soil;
 cover.py: how many layers of contact points lie on a body;
-bodies.py: overlap of two bodies, refused at the start.
+overlap.py: overlap of two bodies, refused at the start.
 """

@@ -24,9 +24,9 @@ import numpy as np
 
 from hybrid.body.curvature import curvature_radius
 from hybrid.contact import body_to_body
-from hybrid.contact.bodies import ALLOWED_OVERLAP, depth_of_overlap, volume_of_overlap
 from hybrid.contact.body_to_body import Side
 from hybrid.contact.law import Coulomb
+from hybrid.contact.overlap import ALLOWED_OVERLAP, depth_of_overlap, volume_of_overlap
 from hybrid.contact.samples import flat_overlap, sample
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.defaults import ROLLING, STANDARD_GRAVITY
