@@ -14,7 +14,7 @@
 5 assembly.py       forces and tangent into the residual and the block system, through the nodes of their cells
 6 contact_pair.py   does 2 to 5 for one body, as pair.py asks; tunnelling.py rejects a step that carried points through it
 
-samples.py, body_to_body.py: places on the surfaces of two bodies, and their contact with one another
+samples.py, edge_places.py, body_to_body.py: places on the surfaces of two bodies, and their contact with one another
 (`hybrid.step.pair_terms`); relative_path.py: where they are predicted to touch first;
 on_ground.py: the same of a body with level held ground where it stands on edges or plane faces, instead of 1 to 6;
 soft_edges.py: springs beside sharp edges on elastic soil;

@@ -20,8 +20,7 @@ import numpy as np
 from hybrid.body.closest import closest
 from hybrid.body.parts import vector_areas
 from hybrid.body.patches import point, unit_normal
-from hybrid.body.sharp_edges import SHARP_ANGLE
-from hybrid.body.smooth import shared_edges
+from hybrid.contact.edge_places import places_on_edges
 from hybrid.contact.search import distances
 from hybrid.runtime.jit import njit
 
@@ -32,7 +31,6 @@ SPREAD = 1.5    # spacings in the longest edge of a part of a triangle
 # other one, all of which come and go as it moves by 1e-6 of its size: without inertia stacks had no solution.
 ASIDE = 1.3e-3, 0.7e-3
 FACES = 5.0     # surface of a body over the area of the face that it lies on
-RIM = 4.0       # times the width of edges: of curved ones over held ground
 
 
 class Pieces(NamedTuple):
@@ -102,14 +100,15 @@ class Samples:
 def sample(surface, spacing, width, corner, depth=0.0, flat=None, share=1.0, sagitta=np.inf):
     """Samples of a ContactSurface with a `spacing` [m] of places, a `width` [m] that edges count with, an area `corner`
     [m²] of corners, and a `depth` [m] of both; flat, share: as in Samples; sagitta: [m] that a curved edge rises by between
-    places at most, so that a body rolls on it, and then counts with RIM times the width, as a short arc of it touches."""
+    places at most, so that a body rolls on it, and then counts with RIM times the width, as a short arc of it touches
+    (`hybrid.contact.edge_places`)."""
     corners = surface.vertices[surface.triangles]
     longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     cuts = np.clip(np.ceil(np.log2(longest / (SPREAD * spacing))), 0, FINEST).astype(np.int64)
     total = np.cumsum(np.concatenate([[0], 4**cuts]))
     patches = surface.tree.patches
     pieces = Pieces(corners, surface.normals, patches.nodes, surface.curved, patches.bulge, cuts, total[:-1])
-    point, normal, area, beside = _edges(surface, spacing, width, corner, sagitta)
+    point, normal, area, beside = places_on_edges(surface, spacing, width, corner, sagitta)
     for axis in () if flat is None else flat:
         point = point - (point @ axis)[:, None] * axis
     zero = np.zeros(len(point))
@@ -144,72 +143,6 @@ def on_curves(samples, chosen, angles, turn):
     point, normal = np.empty((count, 3)), np.empty((count, 3))
     _everywhere(pieces, np.zeros((0, 3)) if samples.flat is None else samples.flat, point, normal, np.empty(count))
     return point, normal
-
-
-def _edges(surface, spacing, width, corner, sagitta):
-    """Places (e, 3) [m] on sharp convex edges, at the corners where three of them end and at tips, normals (e, 3) there,
-    areas (e,), and normals (e, 2, 3) of the curved faces beside them."""
-    t, k = shared_edges(surface.triangles)
-    ends = surface.triangles[t[:, 0], k[:, 0]], surface.triangles[t[:, 0], (k[:, 0] + 1) % 3]
-    of_corner = surface.corner_normals
-    start = of_corner[t[:, 0], k[:, 0]], of_corner[t[:, 1], (k[:, 1] + 1) % 3]
-    end = of_corner[t[:, 0], (k[:, 0] + 1) % 3], of_corner[t[:, 1], k[:, 1]]
-    corners = surface.vertices[surface.triangles]
-    behind = corners[t[:, 1]].mean(axis=1) - corners[t[:, 0]].mean(axis=1)
-    bend = np.minimum(*(np.arccos(np.clip(np.einsum("ei,ei->e", *pair), -1.0, 1.0)) for pair in (start, end)))
-    chosen = np.flatnonzero((bend > SHARP_ANGLE) & (np.einsum("ei,ei->e", surface.normals[t[:, 0]], behind) < 0.0))
-    points, normals, areas, beside = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0)], [np.zeros((0, 2, 3))]
-    turning = surface.turning
-    for e in chosen:
-        a, b = surface.vertices[ends[0][e]], surface.vertices[ends[1][e]]
-        length = np.linalg.norm(b - a)
-        bow = _bow(surface, t[e, 0], k[e, 0])
-        count = max(1, int(np.ceil(length / spacing)), int(np.ceil(np.sqrt(np.linalg.norm(bow) / (4.0 * sagitta)))))
-        s = (np.arange(count) + 0.5)[:, None] / count
-        sides = (1 - s)[:, None] * np.stack([start[0][e], start[1][e]]) + s[:, None] * np.stack([end[0][e], end[1][e]])
-        own = sides.sum(axis=1)
-        beside.append(sides * turning[t[e]][:, None] / np.linalg.norm(sides, axis=2)[:, :, None])
-        points.append((1 - s) * a + s * b - s * (1 - s) * bow)
-        normals.append(own / np.linalg.norm(own, axis=1)[:, None])
-        rim = RIM if np.isfinite(sagitta) and bow.any() else 1.0
-        areas.append(np.full(count, rim * width * length / count))
-    normal = np.zeros((len(surface.vertices), 3))
-    np.add.at(normal, surface.triangles, surface.tree.normals[:, 4:7])      # of their features 4, 5, 6
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    at, count = np.unique(np.concatenate([ends[0][chosen], ends[1][chosen]]), return_counts=True)
-    tips = np.setdiff1d(_tips(surface, normal), at)
-    at = np.concatenate([at[count >= 3], tips])
-    points.append(surface.vertices[at])
-    normals.append(normal[at])
-    areas.append(np.full(len(at), corner))
-    beside += [np.zeros((len(at) - len(tips), 2, 3)), *(_beside_tip(surface, tip) for tip in tips)]
-    return tuple(np.concatenate(each) for each in (points, normals, areas, beside))
-
-
-def _tips(surface, normal):
-    """Vertices (m,) of tips without edges, as of a cone: faces around them look far from a `normal` (V, 3) at the vertex and
-    lie below it."""
-    count = len(surface.vertices)
-    along, low = np.ones(count), np.zeros(count, bool)
-    looks = np.einsum("tki,tki->tk", surface.corner_normals, normal[surface.triangles])
-    np.minimum.at(along, surface.triangles, looks)
-    corners = surface.vertices[surface.triangles]
-    for step in (1, 2):
-        above = np.einsum("tki,tki->tk", np.roll(corners, -step, axis=1) - corners, normal[surface.triangles]) >= 0.0
-        np.logical_or.at(low, surface.triangles, above)
-    return np.flatnonzero((along < np.cos(SHARP_ANGLE)) & ~low)
-
-
-def _beside_tip(surface, tip):
-    """Normal (1, 2, 3), twice, of one of the curved faces at the vertex of a tip, 0 of plane ones."""
-    t, k = np.argwhere(surface.triangles == tip)[0]
-    return np.tile(surface.turning[t] * surface.corner_normals[t, k], (1, 2, 1))
-
-
-def _bow(surface, t, k):
-    """Curvature c (3,) [m] of an edge of a patch, 0 of a straight one."""
-    nodes = surface.tree.patches.nodes
-    return nodes[t, 6 + k] if len(nodes) else np.zeros(3)
 
 
 @njit(cache=True)
