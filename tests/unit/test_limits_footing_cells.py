@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits import LIMITS, cells, footing_cells
 from hybrid.scene import Axis, Grid, Layer, Load, Material, Motion, Soil, Time
@@ -81,22 +82,16 @@ def in_space(position=(0.0, 0.0, 0.0), gravity=WEIGHTLESS, size=0.2, material=()
                  [plate], Time(1.0, inertia=False), 12, gravity)
 
 
-def asked(limit, described):
-    """Warnings of one limit about a Scene."""
-    simulation = build(described)
-    return list(limit(simulation.scene, simulation.model))
-
-
 def test_square_footings_and_plates_in_space():
-    text, = asked(footing_cells.cohesive_strips, in_space(friction=0.5))
+    text, = limit_texts(footing_cells.cohesive_strips, in_space(friction=0.5))
     assert "8 cells of 0.2 m wide" in text and "24% too high" in text
     buried, sand = (0.0, 0.0, -3.4), {"gravity": (0.0, 0.0, -9.81), "material": {"cohesion": 50.0}}
-    text, = asked(footing_cells.lifted, in_space(buried, velocity=(0.0, 0.0, 0.006), **sand))
+    text, = limit_texts(footing_cells.lifted, in_space(buried, velocity=(0.0, 0.0, 0.006), **sand))
     assert "8 cells of 0.2 m wide, 3.2 m under the ground: its load is about 19% too high" in text
-    assert not asked(footing_cells.lifted, in_space(buried, **sand))
+    assert not limit_texts(footing_cells.lifted, in_space(buried, **sand))
     quarter = in_space((0.4, 0.4, -3.4), velocity=(0.0, 0.0, 0.006), **sand)
     part = replace(quarter.bodies[0], parameters={"length": 0.8, "width": 0.8, "height": 0.4, "size": 20.0})
-    assert asked(footing_cells.lifted, replace(quarter, bodies=(part,))) == [text]
+    assert limit_texts(footing_cells.lifted, replace(quarter, bodies=(part,))) == [text]
 
 
 @pytest.mark.parametrize("n, found", [(6, 0.30), (8, 0.20)])
@@ -118,8 +113,7 @@ def test_sand_of_a_relative_density_with_values_of_its_own():
 
 
 def texts(limit=footing_cells.cohesive_strips, **table):
-    simulation = build(strip(**table))
-    return list(limit(simulation.scene, simulation.model))
+    return limit_texts(limit, strip(**table))
 
 
 def test_a_strip_on_soil_with_cohesion_and_friction():
@@ -136,7 +130,7 @@ def test_one_that_is_punched_through_into_clay(bottom, count):
     described = strip()
     clay = Layer("clay", bottom, law="von-mises", material={"strength": 1e4})
     layered = replace(described, soil=replace(described.soil, layers=(clay,)))
-    assert len(asked(footing_cells.cohesive_strips, layered)) == count
+    assert len(limit_texts(footing_cells.cohesive_strips, layered)) == count
 
 
 def test_one_on_soil_that_dilates_less_and_one_that_goes_far():
@@ -161,7 +155,7 @@ def test_one_that_is_loaded_beside_its_middle_stands_on_fewer_cells():
         load = Load(point=(x, 0.0, 0.0), force=((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -1e5)))
         free = strip(driven=(), held=("y", "rx", "rz"), velocity=(0.0, 0.0, 0.0), loads=(load,))
         grid = replace(free.grid, x=Axis(start=-2.0, end=2.0, size=0.125))
-        text, = asked(footing_cells.cohesive_strips, replace(free, grid=grid))
+        text, = limit_texts(footing_cells.cohesive_strips, replace(free, grid=grid))
         return text
 
     assert "base 8 cells" in loaded(0.0) and "about 18% too high" in loaded(0.0)

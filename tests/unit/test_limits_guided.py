@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits.guided import driven_into_held_ground, moving_halves, swallowed_loads, swallowed_pulls
 from hybrid.scene import Axis, Load, Motion, Pull, Stage
@@ -16,8 +17,7 @@ def texts(limit, load=None, motion=None, y=None, stage=(), **body):
     """Texts about a cube of 0.2 m whose middle is in the end of a grid at x = 0."""
     cube = box(0.2, 0.2, 0.2, name="cube", **{"position": (0.0, 0.4, 0.0), "rest_on": 0.0} | body)
     stages = (replace(Stage("go", 2, loads=(load,) if load else (), motions=(motion,) if motion else ()), **dict(stage)),)
-    simulation = build(replace(soil_scene([cube], **({"y": y} if y else {})), stages=stages))
-    return list(limit(simulation.scene, simulation.model))
+    return limit_texts(limit, replace(soil_scene([cube], **({"y": y} if y else {})), stages=stages))
 
 
 @pytest.mark.parametrize("load, words", [

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
@@ -49,16 +50,11 @@ def test_each_stage_has_its_way_and_those_of_one_direction_are_one():
     assert travels(drive("still")) == []
 
 
-def messages(limit, scene):
-    simulation = build(scene)
-    return list(limit(simulation.scene, simulation.model))
-
-
 @pytest.mark.parametrize("stages", [
     [drive("press", z=-0.005)], [drive("press", z=-0.005), drive("drag", x=0.005)], [drive("press", x=0.001, z=-0.005)],
     [drive("drag", x=0.005), drive("press", z=-0.005)]])
 def test_a_strip_on_sand_is_told_the_same_whatever_it_does_besides(stages):
-    text, = messages(sand_cells.footings, described(*stages))
+    text, = limit_texts(sand_cells.footings, described(*stages))
     assert "a base 8 cells of 0.25 m wide" in text and "about 89%" in text
 
 
@@ -69,7 +65,7 @@ def test_a_plate_that_clay_sticks_to_is_judged_across_its_normal(angle, excess):
     scene = described(material=CLAY, rotation=(0.0, 1.0, 0.0, angle), velocity=tuple(0.005 * normal), z=-3.0,
                       size=(1.0, 0.25), adhesion=1.0, tension="full")
     scene = replace(scene, grid=replace(scene.grid, x=Axis(-4.0, 4.0, 0.125), z=Axis(-6.0, 1.0, 0.125)))
-    text, = messages(cells.few_cells, scene)
+    text, = limit_texts(cells.few_cells, scene)
     assert "is 8 cells of 0.125 m wide" in text and f"about {excess}%" in text
 
 
@@ -86,7 +82,7 @@ def test_sides_of_a_way_between_the_axes_lie_in_its_plane():
 def test_notes_about_several_travels_of_a_body_name_them():
     scene = described(drive("up", z=0.005), drive("aside", x=0.005), material=CLAY, z=-3.0, size=(1.0, 0.5), adhesion=1.0,
                       tension="full")
-    up, aside = messages(cells.few_cells, scene)
+    up, aside = limit_texts(cells.few_cells, scene)
     assert up.startswith("strip, moved up, stays attached") and aside.startswith("strip, moved along x, stays attached")
 
 
@@ -97,7 +93,7 @@ def test_notes_about_several_travels_of_a_body_name_them():
 def test_a_moment_counts_that_comes_after_the_force(stages):
     scene = described(*stages, material=CLAY, rest_on=0.0)
     strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=("x",))
-    text, = messages(cells.few_cells, replace(scene, bodies=(strip,)))
+    text, = limit_texts(cells.few_cells, replace(scene, bodies=(strip,)))
     assert "0.1 of its width beside its middle" in text
 
 
@@ -186,7 +182,7 @@ def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, t
     scene = described(Stage("one", 10, loads=(Load(force=(0.0, 0.0, -load)),)), material=CLAY, rest_on=0.0)
     strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=("x", "ry"))
     grid = replace(scene.grid, x=Axis(-4.0, 4.0, 0.5), z=Axis(-5.0, 2.0, 0.5))
-    assert len(messages(cells.few_cells, replace(scene, bodies=(strip,), grid=grid))) == told
+    assert len(limit_texts(cells.few_cells, replace(scene, bodies=(strip,), grid=grid))) == told
 
 
 @pytest.mark.parametrize("down, lowest", [(0.01, -0.1), (-0.01, 0.0)])

@@ -4,6 +4,7 @@ before the run."""
 from dataclasses import replace
 
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits.margins import covered, narrow_ahead, narrow_margins, no_room_above
 from hybrid.scene import Axis, Faces, Load, Material, Stage
@@ -22,8 +23,7 @@ def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(
                        faces=Faces(z_min="fixed", **dict(faces)))
     scene = replace(scene, soil=replace(scene.soil, material=material),
                     stages=(Stage("go", 2, loads=(load,) if load else ()),))
-    simulation = build(scene)
-    return list(limit(simulation.scene, simulation.model))
+    return limit_texts(limit, scene)
 
 
 def test_a_side_near_the_body_is_told_with_its_distance_in_widths():

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits.stages import coarse_swings, long_increments, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
@@ -20,8 +21,7 @@ def texts(limit, stage=(), time=(), soil=(), yields=True, **body):
     if yields:
         clay = Material(law="von-mises", young=1e6, poisson=0.3, density=1800.0, strength=1e4)
         scene = replace(scene, soil=replace(scene.soil, material=clay))
-    simulation = build(scene)
-    return list(limit(simulation.scene, simulation.model))
+    return limit_texts(limit, scene)
 
 
 DOWN = {"driven": ("z",), "velocity": (0.0, 0.0, -2.0)}

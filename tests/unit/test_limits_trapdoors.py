@@ -3,18 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits import cells
 from hybrid.scene import Axis, Faces, Grid, Material, Soil, Time
-from hybrid.setup.build import build
 from hybrid.study.random.fresh.problem import PUSHED, body, scene
 from hybrid.study.random.fresh.problem import clay as clay_of
-
-
-def texts(limit, described):
-    """Warnings of one limit about a Scene."""
-    simulation = build(described)
-    return list(limit(simulation.scene, simulation.model))
 
 
 def trapdoor(across, velocity=-0.001):
@@ -33,10 +27,10 @@ def test_the_law_of_trapdoors_is_what_was_measured(across, exact, found):
 
 
 def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
-    text, = texts(cells.trapdoors, trapdoor(16))
+    text, = limit_texts(cells.trapdoors, trapdoor(16))
     assert "16 cells wide and is lowered" in text and "14% too low" in text
-    assert not texts(cells.few_cells, trapdoor(16))
-    assert not texts(cells.trapdoors, trapdoor(32)) and not texts(cells.trapdoors, trapdoor(16, velocity=0.001))
+    assert not limit_texts(cells.few_cells, trapdoor(16))
+    assert not limit_texts(cells.trapdoors, trapdoor(32)) and not limit_texts(cells.trapdoors, trapdoor(16, velocity=0.001))
 
 
 @pytest.mark.parametrize("across, dilation, lacks", [
@@ -46,5 +40,5 @@ def test_the_law_of_trapdoors_under_sand_is_what_was_measured(across, dilation, 
                     cohesion=0.0)
     assert cells._under_sand(sand) / across == pytest.approx(lacks, abs=0.06)
     under = trapdoor(across)
-    found = texts(cells.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
+    found = limit_texts(cells.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
     assert len(found) == (lacks > 0.2 or across == 16 or dilation == 20.0) and all("under sand" in text for text in found)
