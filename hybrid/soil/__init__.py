@@ -4,7 +4,8 @@
     given_ground.py                  heights of ground that is not level, on which contact begins
 2 basis.py          GIMP basis; transfer.py: from points to nodes and back
 3 model.py          the soil in one increment: begun, evaluated at trial displacements, accepted
-    kinematics.py, principal.py      deformation of the points; principal values of symmetric matrices
+    kinematics.py                    deformation of the points
+    matrices.py, principal.py        3x3 matrices; principal values and directions of symmetric ones
     forces.py                        internal force
     tangent.py, stiffness.py         tangent of one point; of all, added into the soil block, by boxes.py
     closing.py                       soil that has opened closes before it carries pressure again

@@ -17,7 +17,7 @@ import numpy as np
 from hybrid.grid.axes import cell_sizes
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import find_cell
-from hybrid.soil.kinematics import determinant
+from hybrid.soil.matrices import determinant
 
 THINNEST = 1e-3  # of the initial half-width: keeps the basis well defined for a squashed point
 

@@ -13,6 +13,7 @@ from hybrid.grid.numbering import node_number
 from hybrid.runtime.jit import njit, prange
 from hybrid.soil.basis import with_margin
 from hybrid.soil.buffers import resized
+from hybrid.soil.matrices import determinant, invert, product, product_transposed
 from hybrid.soil.principal import compose, principal, put_principal
 
 # F is reset to an isotropic stretch of the same volume when any |F_ij| > F_LIMIT; that stretch is capped at
@@ -139,23 +140,6 @@ class Kinematics:
         return TrialStrain(buffers, np.flatnonzero(self._inverted if inactive is None else self._inverted & ~inactive))
 
 
-@njit(cache=True, error_model="numpy")
-def invert(a, out):
-    """Fill `out` with the inverse of a 3x3 matrix, not finite if the matrix is singular; returns the determinant."""
-    c00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
-    c01 = a[1, 2] * a[2, 0] - a[1, 0] * a[2, 2]
-    c02 = a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]
-    det = a[0, 0] * c00 + a[0, 1] * c01 + a[0, 2] * c02
-    out[0, 0], out[1, 0], out[2, 0] = c00 / det, c01 / det, c02 / det
-    out[0, 1] = (a[0, 2] * a[2, 1] - a[0, 1] * a[2, 2]) / det
-    out[1, 1] = (a[0, 0] * a[2, 2] - a[0, 2] * a[2, 0]) / det
-    out[2, 1] = (a[0, 1] * a[2, 0] - a[0, 0] * a[2, 1]) / det
-    out[0, 2] = (a[0, 1] * a[1, 2] - a[0, 2] * a[1, 1]) / det
-    out[1, 2] = (a[0, 2] * a[1, 0] - a[0, 0] * a[1, 2]) / det
-    out[2, 2] = (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]) / det
-    return det
-
-
 @njit(cache=True, parallel=True)
 def _volumes(basis, shape, u, inverse, volume):
     first, _, value, gradient = basis
@@ -190,8 +174,8 @@ def _trial_b(basis, shape, u, elastic, mean_volume, deforms, out):
                 for i in range(3):
                     if deforms[i]:
                         scaled[i] *= s
-            _product(scaled, elastic[p], half)
-            _product_transposed(half, scaled, b_trial[p])
+            product(scaled, elastic[p], half)
+            product_transposed(half, scaled, b_trial[p])
 
 
 def _logarithms(values):
@@ -230,27 +214,6 @@ def _gradient(p, first, value, gradient, shape, u, out):
     out[2, 0], out[2, 1], out[2, 2] = zx, zy, zz
 
 
-@njit(cache=True, fastmath={"contract"})
-def determinant(a):
-    """Determinant of a 3x3 matrix."""
-    return (a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]) - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
-            + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0]))
-
-
-@njit(cache=True, fastmath={"contract"})
-def _product(a, b, out):
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
-
-
-@njit(cache=True, fastmath={"contract"})
-def _product_transposed(a, b, out):
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = a[i, 0] * b[j, 0] + a[i, 1] * b[j, 1] + a[i, 2] * b[j, 2]
-
-
 def update_strains(trial, elastic, stress, old, deforms):
     """Updated F = ΔF F_n, b_e = Σ exp(2 ε_i) n_i ⊗ n_i and Cauchy stress σ = τ / det F [Pa], each (n, 3, 3).
 
@@ -274,7 +237,7 @@ def _update(increment, directions, strain, stress, old, deforms, out):
     deformation, b_elastic, cauchy = out
     for p in prange(len(old)):
         F = deformation[p]
-        _product(increment[p], old[p], F)
+        product(increment[p], old[p], F)
         if _largest(F) > F_LIMIT:
             _reset(F, deforms)
         inverse_J = 1.0 / determinant(F)

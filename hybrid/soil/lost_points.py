@@ -18,7 +18,7 @@ from scipy import ndimage
 from hybrid.runtime.comm import anywhere, gathered, offset, total
 from hybrid.runtime.errors import StepError
 from hybrid.runtime.jit import njit, prange
-from hybrid.soil.kinematics import determinant
+from hybrid.soil.matrices import determinant
 
 NEIGHBOURS = np.ones((3, 3, 3))  # cells that share a corner
 DISTORTION_LIMIT = 10.0  # [-] norm |F|, or volume ratio or its inverse: beyond it a point no longer represents soil

@@ -12,7 +12,8 @@ from hybrid.setup.build import build
 from hybrid.soil.basis import evaluate_basis
 from hybrid.soil import fbar
 from hybrid.soil.filled_cells import fill_cells
-from hybrid.soil.kinematics import Kinematics, invert
+from hybrid.soil.kinematics import Kinematics
+from hybrid.soil.matrices import invert
 from hybrid.soil.model import Soil as SoilModel
 from hybrid.soil.points import at_rest
 
