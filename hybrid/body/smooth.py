@@ -124,7 +124,7 @@ def _without_apexes(normals, facet, by_facets):
     return np.where(apex[:, :, None], np.where(np.any(others != 0.0, axis=2, keepdims=True), others, facet), normals)
 
 
-def build_patches(corners, triangles, facet, normals, given=None):
+def build_patches(corners, triangles, facet, normals, given):
     """Patches over triangles (t, 3) with `corners` (t, 3, 3) [m], facets' normals `facet` (t, 3) and `normals` (t, 3, 3)
     at the corners, None: facets are the surface; and whether a closest point on a feature of a facet has to be
     projected onto them, (t, 7) bool. given: curvature (t, 3, 3) [m] of the edges, nan where it follows from the normals,

@@ -237,10 +237,10 @@ def begin(side, poses, predicted, reach, history, stiffness, law, collapsed):
                     closes=closes)
 
 
-def mean_normal_speed(begun, rates, poses, normals=(None, None)):
+def mean_normal_speed(begun, rates, poses, normals):
     """Mean speed [m/s] with which places of both SideStep that touch approach the other body, 0 where none does, and the
     sum of their stiffness [N/m]. rates: {number of a body: (velocity, spin)} in space, or their derivatives in time;
-    normals: (m, 3) of each side, left out: those of the places."""
+    normals: (m, 3) of each side, None: those of the places."""
     pressing = [one.touching & (one.overlap > 0.0) for one in begun]
     springs = np.concatenate([one.stiffness[own] for one, own in zip(begun, pressing)])
     speeds = np.concatenate([_normal_speeds(one, rates[one.side.a], rates[one.side.b], poses, along)[own]

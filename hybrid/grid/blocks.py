@@ -168,7 +168,7 @@ def cut_block(grid, loads, parts, rank):
     return block_of(grid, boxes, rank, fullest / max(loads.sum(), 1))
 
 
-def block_of(grid, boxes, rank, fullest=0.0, layers=1):
+def block_of(grid, boxes, rank, fullest, layers=1):
     """Block of the process `rank`, one of those with `boxes` (parts, 2, 3) of cells, from the whole Grid or from another
     Block of it."""
     lines, planes = grid.lines, grid.planes

@@ -144,11 +144,11 @@ class SolverChoice:
 
 
 class Single(SolverChoice):
-    """Gives every tangent to one `solver`, for at most `most` iterations: for measurements and tests."""
+    """Gives every tangent to one `solver`, for at most 300 iterations: for measurements and tests."""
 
-    def __init__(self, solver, most=300):
+    def __init__(self, solver):
         super().__init__("auto")
-        self._order = [(solver, most)]
+        self._order = [(solver, 300)]
 
     def begin(self, *_):
         return self._order

@@ -9,7 +9,7 @@ ALONG = 1e-6    # of the largest component of a force, from which it has one alo
 AFTER = ". What comes then, as where a body sinks until it floats, time.inertia = true follows"
 
 
-def overloads(step, reason="", lost=False):
+def overloads(step, reason, lost):
     """[(text, whether the load acts at once)] of the loads that a failed `step` without inertia carries; reason: why it
     failed; lost: whether no body has contact, so that loads that lift one exceed nothing."""
     model = step.model

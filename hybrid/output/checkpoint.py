@@ -59,21 +59,21 @@ class Checkpoints:
             if simulation.scene.output.checkpoint:
                 self._reserve(GROWTH)
         elif simulation.scene.output.checkpoint:
-            self._save(simulation)
+            self._save()
             self._reserve(FIRST_GROWTH)
 
     def accepted(self, record, simulation):
         self._accepted = self._noted(simulation)
         every = simulation.scene.output.checkpoint
         if every and (record.step % every == 0 or comm.anywhere(time.monotonic() - self._written > LONGEST)):
-            self._save(simulation)
+            self._save()
             self._reserve(GROWTH)      # a disk without room for the next one is full now
 
     def finish(self, summary, simulation):
         try:
             gone = not ranks.same(self.path.is_file())      # with its folder
             if simulation.scene.output.checkpoint and (gone or self._accepted[0].step != self.saved):
-                self._save(simulation)
+                self._save()
         finally:
             self.finish_alone(summary, simulation)
 
@@ -88,7 +88,7 @@ class Checkpoints:
         extra = {name: getattr(simulation, name) for name in CONTINUED}
         return simulation.state, None, {k: v for k, v in extra.items() if v is not None}
 
-    def _save(self, simulation):
+    def _save(self):
         self._sync_history()
         state, _, extra = self._accepted
         save(self.path, state, None, extra, self.run, self._keys)
@@ -111,7 +111,7 @@ class Checkpoints:
 class PartCheckpoints(Checkpoints):
     """The same of several processes, all of which have this observer: each writes its part, then the first one the list."""
 
-    def __init__(self, folder, run=""):
+    def __init__(self, folder, run):
         super().__init__(folder, run)
         self._partial = parts.partial(folder)
         self._last = None       # name of the part written last
@@ -120,7 +120,7 @@ class PartCheckpoints(Checkpoints):
         state, _, extra = super()._noted(simulation)
         return state, simulation.model.soil.constants.number, extra
 
-    def _save(self, simulation):
+    def _save(self):
         (state, number, extra), folder = self._accepted, self.path.parent
         of_points, others = parts.arrays(state, number)
         stamp = {"format": IN_PARTS, "run": self.run, "state/step": state.step}

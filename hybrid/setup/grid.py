@@ -40,7 +40,7 @@ def build_grid(scene, placed=()):
     return moving_grid.grid(layouts), moving_grid, layouts
 
 
-def build_carried_grid(scene, grid, placed, moving_grid=None):
+def build_carried_grid(scene, grid, placed, moving_grid):
     """CarriedGrid, None where there is no axis along which all bodies go the same way, more than a cell, without inertia,
     through cells of one size, or that follow a body, and soil that may yield; bodies `placed`, each a RigidBody and
     BodyState; moving_grid: MovingGrid or None."""

@@ -189,7 +189,7 @@ def add_box(box, widths, shape, sparsity, values):
 @njit(cache=True)
 def _nodes_reached(box, widths, shape):
     """Fill node, local and column of a Box."""
-    (n_y, n_z, run), first, m = widths, box.first, 0
+    (_, n_z, run), first, m = widths, box.first, 0
     for a in range(box.reached[0]):
         for b in range(box.reached[1]):
             for c in range(box.reached[2]):

@@ -80,7 +80,7 @@ class KeptStiffness:
     values: entries of the matrix, for the pattern of the last update
     """
 
-    def __init__(self, tolerance, young, fbar=False):
+    def __init__(self, tolerance, young, fbar):
         n = len(young)
         self._tolerance, self._limit, self._changed = tolerance, tolerance * young, np.empty(n, bool)
         self._numbers = np.empty((n, COUNT if fbar else 81))

@@ -20,7 +20,7 @@ class CarriedGrid:
     moving   MovingGrid, or None
     """
 
-    def __init__(self, axes, start, moving=None):
+    def __init__(self, axes, start, moving):
         self._axes, self._start, self._moving = axes, start, moving
 
     @property

@@ -134,7 +134,7 @@ def _newton(step, evaluation, backtrack=False):
     return outcome.followed_by(again)
 
 
-def _updates(step, evaluation, backtrack=False, far=Tangent.DEFINITE):
+def _updates(step, evaluation, backtrack, far=Tangent.DEFINITE):
     """Outcome with full updates; where they make no progress, from the best iterate with those of a tangent that does not
     soften where convex edges press the soil; and then with backtracking. backtrack: whether to try this first; far: of
     Updates."""

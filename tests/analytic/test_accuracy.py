@@ -25,7 +25,6 @@ from hybrid.study.scenes import SCHEMES, box, elastic, plane, scene, sphere
 
 RULES = {"newmark": Scheme.newmark(), "stiffer": Scheme.newmark(0.4, 0.5), "alpha 0.8": Scheme.generalised_alpha(0.8),
          "alpha 0": Scheme.generalised_alpha(0.0)}
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
 
 
 # ------------------------------------------------------------------ the estimate
