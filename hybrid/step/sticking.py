@@ -11,7 +11,8 @@ from hybrid.contact.reversals import NONE, reversed_slip
 from hybrid.runtime import comm
 
 LEVEL = 1e-3    # length of N x Σ N of contact points in one plane
-ALONG = [0, 1, 5]   # components of a motion along level ground; a base that is turned slips on all of its points about its middle
+# Components of a motion along level ground: a base that is turned slips on all of its points about its middle
+ALONG = [0, 1, 5]
 
 
 class Held(NamedTuple):

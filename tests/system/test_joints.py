@@ -83,7 +83,8 @@ def test_a_stage_that_changes_nothing_leaves_joined_bodies_as_they_move():
     def ended(stages, **values):
         scene = double_pendulum(40, 0.02)
         simulation = build(replace(scene, stages=tuple(
-            replace(scene.stages[0], name=f"stage {i}", steps=40 // stages, **(values if i else {})) for i in range(stages))))
+            replace(scene.stages[0], name=f"stage {i}", steps=40 // stages, **(values if i else {}))
+            for i in range(stages))))
         *_, record = simulation.steps()
         return np.array([body.position for body in record.bodies]), record.energies["drive"]
 

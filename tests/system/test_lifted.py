@@ -92,7 +92,8 @@ def test_the_stronger_of_points_that_slip_against_one_another_are_held():
 
 
 @pytest.mark.parametrize("values, others", [
-    ({"slip": [True, False, True]}, {}), ({"slip": [False] * 3}, {}), ({"drive": 0.1}, {}), ({"drive": 0.1, "driven": 5}, {}),
+    ({"slip": [True, False, True]}, {}), ({"slip": [False] * 3}, {}), ({"drive": 0.1}, {}),
+    ({"drive": 0.1, "driven": 5}, {}),
     ({"line": "chain"}, {}),
     ({"beside": True}, {}), ({"free": (False, False, *[True] * 4)}, {}), ({}, {"inertia": True}), ({}, {"joints": ("pin",)}),
     ({}, {"guided": [2, 0]}), ({}, {"guided": [5]}), ({"normal": [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [0.0, 0.0, 1.0]]}, {})])

@@ -1,4 +1,4 @@
-"""Bodies pushed and pulled through clay, against plasticity: PROBLEMS {name: Problem()}."""
+"""Bodies pushed and pulled through clay, against plasticity."""
 
 import numpy as np
 
