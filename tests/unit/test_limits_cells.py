@@ -186,7 +186,8 @@ def test_a_lid_on_a_specimen_drives_no_clay_beside_it(half, reach, count):
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 45e3, 0.0, -180e3))}, "inclined or eccentric load.*up to 16%"),
     (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3)), "point": (0.372, 0.0, 0.0)},
      "0.12 of its width beside its middle, and stands on a width of 7.5 cells: its load is about 17%"),
-    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, ""),
+    (1.5, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))},
+     "is up to 6% too high, and under 0.7 to 0.9 of it the body settles by up to 19% too little, limit"),
     (0.6, {"force": ((0.0, 0.0, 0.0, 0.0), (9.0, 0.0, 0.0, -240e3))}, "edges on lines"),
     (1.5, {"force": (0.0, 0.0, 180e3)}, "")])
 def test_a_footing_that_a_stage_loads(half, load, words):
@@ -230,7 +231,8 @@ def test_the_arm_of_a_load_turns_with_the_body():
     for point, count in (((0.0, 0.0, 0.375), 1), ((0.0, 0.0, 0.0), 0), ((0.375, 0.0, 0.0), 0)):
         stage = replace(described.stages[0], loads=(Load(point=point, **down),))
         body = replace(described.bodies[0], position=(0.0, 0.5, 0.0), rest_on=0.0, **turned)
-        assert len(limit_texts(cells.few_cells, replace(described, bodies=(body,), stages=(stage,)))) == count, point
+        found = limit_texts(cells.few_cells, replace(described, bodies=(body,), stages=(stage,)))
+        assert sum("beside its middle" in text for text in found) == count, point
 
 
 @pytest.mark.parametrize("x, half, velocity, count",

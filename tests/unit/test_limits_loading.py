@@ -176,9 +176,9 @@ def test_arms_count_where_nothing_else_of_an_assembly_touches_soil():
     assert [arm for body, *_, arm in loaded(simulation.scene, simulation.model) if body.name == "strip"] == [0.0]
 
 
-@pytest.mark.parametrize("load, told", [(2e4, 0), (6e4, 1)])
+@pytest.mark.parametrize("load, told", [(1e4, 0), (6e4, 1)])
 def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, told):
-    """Of a strip of 2 m on 4 cells, s_u = 10 kPa: half of what it carries is 60 kN, with its weight of 39 kN."""
+    """Of a strip of 2 m on 4 cells, s_u = 10 kPa: half of what it carries is 51 kN, with its weight of 39 kN."""
     scene = described(Stage("one", 10, loads=(Load(force=(0.0, 0.0, -load)),)), material=CLAY, rest_on=0.0)
     strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=("x", "ry"))
     grid = replace(scene.grid, x=Axis(-4.0, 4.0, 0.5), z=Axis(-5.0, 2.0, 0.5))

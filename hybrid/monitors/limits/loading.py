@@ -8,8 +8,8 @@ import numpy as np
 from hybrid.body.paths import path_along
 from hybrid.body.rigid import RigidBody
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.materials import material_at
-from hybrid.monitors.limits.shape import PLANE, leading_normal, leads
+from hybrid.monitors.limits.materials import CLAY, material_at
+from hybrid.monitors.limits.shape import PLANE, leading_normal, leads, narrowest
 from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, stands_on, top_of
 
 # Cosine between a travel and the normal of the plane face that leads: a plate moved at 11° to its normal bears 3 % less
@@ -17,6 +17,7 @@ ASKEW = 0.75
 # Share of a load across its main direction, or of the size that it acts beside the centre: inclined or eccentric
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 PUSHED = 5.0                    # s_u: pipes and balls deep in clay carry 9 to 13
+HARDLY = 2.0                    # s_u B/E of travel: a strip then bears half of what it can, a plate in deep clay a quarter
 AT_POINT = "hinge", "ball", "weld"
 
 
@@ -166,10 +167,23 @@ def loadings(scene, model):
     return [*driven(scene, model), *loaded(scene, model)]
 
 
+def to_failure(scene, model, found):
+    """[Loading] of those `found` without the bodies that are driven through clay by so little that it hardly yields."""
+    return [each for each in found if each.by_force or not _hardly(scene, model.soil, each)]
+
+
+def _hardly(scene, soil, found):
+    material = material_at(scene, soil, found.place[:, 2].mean())
+    if material.law != CLAY or not material.young:
+        return False
+    width = narrowest(soil.grid, found.place, found.travel)
+    return bool(np.linalg.norm(found.travel) < HARDLY * (material.strength or 0.0) * width / material.young)
+
+
 def through_clay(scene, model):
     """Loading by each driven body, and by each that forces of a stage push by PUSHED of its area across them and more, where
     clay flows around it; the travel [m] is then a cell."""
-    yield from driven(scene, model)
+    yield from to_failure(scene, model, driven(scene, model))
     grid = model.soil.grid
     for found in loaded(scene, model):
         body, force, place, *_ = found

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
-from hybrid.monitors.limits.loading import driven, loadings
+from hybrid.monitors.limits.loading import driven, loadings, to_failure
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
 from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of
@@ -79,7 +79,7 @@ def pushed_walls(scene, model):
 def pushed(scene, model, laws, wedge):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
     spaces = (1,) if wedge.in_space is None else (0, 1)
-    for body, travel, place, *_ in driven(scene, model):
+    for body, travel, place, *_ in to_failure(scene, model, driven(scene, model)):
         depth = depths(scene, model.soil, place, travel, laws, spaces)
         angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:

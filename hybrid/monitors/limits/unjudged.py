@@ -8,7 +8,7 @@ leg's depth: a third more than with half the cells.
 
 import numpy as np
 
-from hybrid.monitors.limits.loading import loadings
+from hybrid.monitors.limits.loading import loadings, to_failure
 from hybrid.monitors.limits.shape import feet, heading, narrowest
 from hybrid.monitors.limits.start import top_of
 from hybrid.runtime.comm import anywhere
@@ -23,7 +23,7 @@ def unjudged(scene, model, messages):
     """Bodies less than FEW cells wide across their path through soil that yields; messages: texts of other limits."""
     cell = model.soil.grid.smallest_cell
     found = {_subject(text, model.bodies) for text in messages if " cell" in text}
-    for body, travel, place, plane, by_force, *_ in loadings(scene, model):
+    for body, travel, place, plane, by_force, *_ in to_failure(scene, model, loadings(scene, model)):
         moved = cell * travel / np.linalg.norm(travel) if by_force else travel
         legs = feet(body, place, moved, top_of(model.soil)) if plane and travel[2] < 0.0 else []
         parts = [leg for *_, leg in legs] if len(legs) > 1 else [place]
