@@ -60,9 +60,9 @@ def connect_to_soil(described, body, motion, soil, gravity, alone):
 
 
 def _beside_edges(described, body, motion, soil, gravity, plane):
-    """The body, with `plane` faces or curved ones, with its contact beside sharp edges: they are rounded off where soil flows
-    around them, where the body slides along, so that soil in front of it would come to lie inside, and where it stands on
-    one, so that the normal of contact turns from one face to the other; else springs are softer there."""
+    """The body, with `plane` faces or curved ones, with its contact beside sharp edges: they are rounded off where soil
+    flows around them, where the body slides along, so that soil in front of it would come to lie inside, and where it
+    stands on one, so that the normal of contact turns from one face to the other; else springs are softer there."""
     surface, cell = body.surface, soil.grid.smallest_cell
     edges = find_edges(surface, cell, motion.rotation[soil.grid.collapsed])
     carried = rests_on_elastic_soil(body, soil, gravity)

@@ -73,7 +73,8 @@ def test_a_disc_has_its_own_area_on_the_clay():
     (Load(force=(0.0, 0.0, -1e4), point=(0.8, 0.0, 0.25)), 20),
     (Load(force=(2e3, 0.0, -1e4), point=(0.0, 0.0, 2.4)), 500), (Load(force=(2e3, 0.0, -1e4), point=(0.0, 0.0, 2.7)), 20),
     (Load(force=(0.0, 0.0, -1e4), moment=(0.0, 6.8e3, 0.0)), 20),
-    (Load(force=(0.0, 0.0, -1e3), moment=(0.0, 6.9e3, 0.0)), 500), (Load(force=(0.0, 0.0, -1e3), moment=(0.0, 7.1e3, 0.0)), 20),
+    (Load(force=(0.0, 0.0, -1e3), moment=(0.0, 6.9e3, 0.0)), 500),
+    (Load(force=(0.0, 0.0, -1e3), moment=(0.0, 7.1e3, 0.0)), 20),
     (Load(force=(4e3, 0.0, -1.9e4)), 500), (Load(force=(4e3, 0.0, -2.1e4)), 20)])
 def test_what_may_slide_or_tip_has_softer_springs(load, expected):
     """s_u A = 10 kN on the quarter, 0.7 s_u A B = 14 kN m. Together V + 6 M/B is 30 kN, 27.1 with H = 2 kN, 22.4 with 4."""
