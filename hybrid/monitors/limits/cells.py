@@ -56,8 +56,8 @@ ECCENTRIC = 1.3
 # Factor on EDGE 1 + GROWTH (k B/s_u)^GROWING, s_u under the base; measured up to 20 (9, 4 % with 16, 32 cells). From WEAK on
 # FROM_NONE, that of clay without strength at its top: 65, 36 % over k B²/4 with 16, 32 cells, smooth
 GROWTH, GROWING, WEAK, FROM_NONE = 0.3, 0.65, 50.0, 17.0
-# Settlement under 0.7, 0.8, 0.9 of 5.14 s_u B over finite elements, edges on lines of the grid: 0.84, 0.80, 0.76 with 8 cells,
-# 0.90, 0.89, 0.87 with 16, 0.95, 0.945 with 32; 1.05 to 1.08 with 9 and edges in the middle of a cell
+# Settlement under 0.7, 0.8, 0.9 of 5.14 s_u B over finite elements, edges on lines of the grid: 0.84, 0.80, 0.76 with 8
+# cells, 0.90, 0.89, 0.87 with 16, 0.95, 0.945 with 32; 1.05 to 1.08 with 9 and edges in the middle of a cell
 SETTLES = 4.0
 SLOPES = 35.0, 55.0             # degrees from the ground of the faces of what counts as a wedge of about 90°
 LEVEL = 0.5         # up or down over its travel, below which a body is pushed sideways
