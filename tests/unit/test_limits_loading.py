@@ -185,6 +185,16 @@ def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, t
     assert len(limit_texts(cells.few_cells, replace(scene, bodies=(strip,), grid=grid))) == told
 
 
+@pytest.mark.parametrize("way, material, told", [
+    (0.0075, CLAY, 0), (0.0085, CLAY, 1), (0.0075, replace(CLAY, strength=5e3), 1), (0.001, replace(CLAY, strength=0.0,
+                                                                                   strength_gradient=1e4), 1)])
+def test_clay_that_hardly_yields_has_no_note_about_what_it_bears_when_it_does(way, material, told):
+    """2 s_u B/E is 8 mm; half of it for half the strength, and not known of clay without strength at its top."""
+    scene = described(drive("press", z=-0.1 * way), material=material)
+    scene = replace(scene, grid=replace(scene.grid, x=Axis(-4.0, 4.0, 0.5), z=Axis(-5.0, 2.0, 0.5)))
+    assert len(limit_texts(cells.few_cells, scene)) == told
+
+
 @pytest.mark.parametrize("down, lowest", [(0.01, -0.1), (-0.01, 0.0)])
 def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end(down, lowest):
     """A block that starts on the surface, and one that goes up as it moves away."""
