@@ -33,7 +33,7 @@ def model_sheet(scene, model, imbalance, level, most_points, decisions):
         **({"accuracy": level} if level else {}),
         "grid cells": " x ".join(map(str, soil.grid.cell_counts)),
         **_moving_grid(scene),
-        "smallest cell [m]": soil.grid.smallest_cell,
+        "smallest cell [m]": float(f"{soil.grid.smallest_cell:.9g}"),    # as given, without round-off
         "material points": points,
         **({"most material points": f"{most_points}, once the body has sunk"} if growth > 1 else {}),
         "soil unknowns": block.unknowns,

@@ -35,7 +35,7 @@ class Settled:
     held: dict
 
     def __str__(self):
-        held = "".join(f"; {name} held with ({', '.join(f'{x:.4g}' for x in force)}) N"
+        held = "".join(f"; {name} held with ({', '.join(f'{x + 0.0:.4g}' for x in force)}) N"
                        for name, force in self.held.items())
         return (f"quasi-static, from {100 * self.before.share:.2g} % of the weight out of balance: points move by up to "
                 f"{self.moved:.2g} m, plastic strain up to {self.plastic:.2g}{held}")
