@@ -185,6 +185,35 @@ def test_clay_that_bears_a_load_by_far_has_no_note_about_what_it_carries(load, t
     assert len(limit_texts(cells.few_cells, replace(scene, bodies=(strip,), grid=grid))) == told
 
 
+def loads(rotation=None, held=(), of_stage=(), stage_motion=(), **load):
+    """(travel, arm, inclined) of a strip of 2 m x 1 m that a load presses on clay."""
+    stage = Stage("one", 10, loads=(Load(**load),), held=of_stage, motions=stage_motion)
+    scene = described(stage, material=CLAY, rotation=rotation, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 0.5, 0.5), held=held)
+    simulation = build(replace(scene, bodies=(strip,)))
+    (_, travel, _, plane, _, inclined, arm), = loaded(simulation.scene, simulation.model)
+    assert plane
+    return travel, arm, inclined
+
+
+BESIDE = {"force": (0.0, 0.0, -8e4), "point": (0.25, 0.0, 0.0)}
+
+
+@pytest.mark.parametrize("held, arm", [({}, 0.25), ({"held": ("ry",)}, 0.0), ({"of_stage": ("ry",)}, 0.0),
+                                       ({"stage_motion": (Motion(held=("ry",)),)}, 0.0)])
+def test_a_moment_that_something_holds_is_no_eccentricity(held, arm):
+    assert loads(**held, **BESIDE)[1] == pytest.approx(arm)
+
+
+def test_a_load_normal_to_an_inclined_base_is_central_and_upright():
+    """The base is at 30 degrees; a load straight down through the same centre is neither."""
+    normal = -8e4 * np.array([0.5, 0.0, np.sqrt(0.75)])
+    travel, arm, inclined = loads((0.0, 1.0, 0.0, 30.0), force=tuple(normal))
+    assert travel == pytest.approx(normal) and arm == 0.0 and not inclined
+    travel, arm, inclined = loads((0.0, 1.0, 0.0, 30.0), force=(0.0, 0.0, -8e4))
+    assert travel == pytest.approx(np.sqrt(0.75) * normal) and inclined and arm == pytest.approx(0.5 * np.tan(np.pi / 6))
+
+
 @pytest.mark.parametrize("way, material, told", [
     (0.0075, CLAY, 0), (0.0085, CLAY, 1), (0.0075, replace(CLAY, strength=5e3), 1), (0.001, replace(CLAY, strength=0.0,
                                                                                    strength_gradient=1e4), 1)])

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.body.rigid import RigidBody
+from hybrid.body.rigid import FREEDOMS, RigidBody
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.materials import CLAY, material_at
-from hybrid.monitors.limits.shape import PLANE, leading_normal, leads, narrowest
+from hybrid.monitors.limits.shape import PLANE, faces, leading_normal, leads, narrowest
 from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, stands_on, top_of
 
 # Cosine between a travel and the normal of the plane face that leads: a plate moved at 11° to its normal bears 3 % less
@@ -146,20 +146,32 @@ def loaded(scene, model):
     for i, (described, body, (whole, place)) in enumerate(zip(scene.bodies, model.bodies, outlines)):
         if above[i] and body.name in scene.joined:
             continue        # others carry it, or the ground
-        rotation = initial_pose(described, body)[1]
-        force, moment = _largest_load(body, rotation)
+        centre, rotation = initial_pose(described, body)
+        force, moment, free = _largest_load(scene, body, rotation)
         axis = int(np.argmax(np.abs(force)))
-        if not force[axis] or not body.free[axis] or model.soil.grid.collapsed[axis]:
+        if not force[axis] or not free[axis] or model.soil.grid.collapsed[axis]:
             continue
-        travel = np.where(np.arange(3) == axis, force, 0.0)
-        inclined = np.abs(np.where(body.free[:3], force - travel, 0.0)).max() > ASIDE * abs(force[axis])
+        below = centre - (0.0, 0.0, body.surface.extent(-rotation[2]))
+        travel, middle = _on_base(whole, place, force) or (np.where(np.arange(3) == axis, force, 0.0), below)
+        inclined = np.abs(np.where(free[:3], force - travel, 0.0)).max() > ASIDE * np.linalg.norm(travel)
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
-            moment = moment + np.cross([0.0, 0.0, body.surface.extent(-rotation[2])], force)
+            moment = moment + np.cross(centre - middle, force)
         arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
         if all(j is not None and above[j] for j in bodies_joined_to(scene, i)):
-            arm = np.abs(np.where(body.free[3:], moment, 0.0)).max() / abs(force[axis])
+            arm = np.abs(np.where(free[3:], moment, 0.0)).max() / np.linalg.norm(travel)
         yield Loading(whole, travel, place, leads(whole, place, travel), True, inclined,
                       arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+
+
+def _on_base(body, place, force):
+    """(Part of a force (3,) [N] normal to the inclined plane base that it presses, middle (3,) [m] of that base); None of
+    others, whose force is that along an axis of the grid."""
+    normal = leading_normal(body, place, force)
+    if normal is None or np.abs(normal).max() > PLANE or normal @ force < ASKEW * np.linalg.norm(force):
+        return None
+    normals, area = faces(body, place)
+    base = np.where(normals @ normal > PLANE * area, area, 0.0)
+    return normal @ force * normal, base @ place[body.surface.triangles].mean(axis=1) / base.sum()
 
 
 def loadings(scene, model):
@@ -216,12 +228,12 @@ def _change(guide):
     return _largest_row(guide.table)[0] if guide.is_rate else guide.table.values[-1, 0] - guide.table.values[0, 0]
 
 
-def _largest_load(body, rotation):
-    """(force [N], moment [N m] about the centre) (3,) of the stage that loads a body at a `rotation` (3, 3) most, moments
-    over its radius, at the rows of its tables that are largest. A stage that drives points of it has the forces of 1 N along
-    their travels."""
-    found = [(np.zeros(3), np.zeros(3))]
-    for stage in body.stages or ():
+def _largest_load(scene, body, rotation):
+    """(force [N] (3,), moment [N m] about the centre (3,), free components (6,)) of the stage that loads a body at a
+    `rotation` (3, 3) most, moments over its radius, at the rows of its tables that are largest. A stage that drives points
+    of it has the forces of 1 N along their travels."""
+    found = [(np.zeros(3), np.zeros(3), body.free)]
+    for stage, described in zip(body.stages or (), scene.stages):
         force, moment = np.zeros(3), np.zeros(3)
         for driven_point in stage.points:
             one = np.where(np.arange(3) == driven_point.guide.component, np.sign(_change(driven_point.guide)), 0.0)
@@ -231,5 +243,6 @@ def _largest_load(body, rotation):
             force, moment = force + one, moment + np.cross(rotation @ load.point, one)
             if load.moment is not None:
                 moment = moment + _largest_row(load.moment)
-        found.append((force, moment))
-    return max(found, key=lambda pair: np.linalg.norm(pair[0]) + np.linalg.norm(pair[1]) / body.radius)
+        held = stage.held | stage.driven | np.isin(FREEDOMS, described.held)
+        found.append((force, moment, (body.free | stage.released) & ~held))
+    return max(found, key=lambda one: np.linalg.norm(one[0]) + np.linalg.norm(one[1]) / body.radius)
