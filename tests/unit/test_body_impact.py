@@ -138,15 +138,15 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
 
 
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_contact=(), near=(), plastic=True, speeds=None,
-              load=0.0, **scheme):
+              load=0.0, falls=0.0, **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`; speeds: its own [m/s];
-    load: work of loads in a step [J]."""
+    load: work of loads in a step [J]; falls: [m/s] downwards."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.ones(6, bool), radius=radius)
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
         pairs = SimpleNamespace(energy=1.0 * (step in in_contact), contacts=(None,) * (step in near))
         report = SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=(range(step in touching),), pairs=pairs))
-        motion = moving(speeds[step] if speeds else 10.0, 0.0, 0.0)
+        motion = moving(speeds[step] if speeds else 10.0, 0.0, -falls)
         soil = SimpleNamespace(held=held, law=SimpleNamespace(plastic=plastic))
         model = SimpleNamespace(bodies=(body,), pairs=(), soil=soil, gravity=np.array([0.0, 0.0, -gravity]))
         found += monitor.notes(StepView(model, SimpleNamespace(time=float(step), bodies=(motion,)),
@@ -161,6 +161,14 @@ def test_an_impact_on_held_ground_is_reported_with_all_that_follow():
     assert text.startswith("impact on held ground: 44 J of the 100 J") and "(44%, limit 12%)" in text
     assert "smaller time.step" in text
     assert "66 J of the 100 J" in later[text] and "time.accuracy = 1e-4" in text
+
+
+@pytest.mark.parametrize("forwards, falls, words", [
+    (0.0, 10.0, "44 J of the 100 J"), (60.0, 10.0, "44 J of the 100 J"), (60.0, 2.0, None)])
+def test_what_is_left_of_the_way_along_the_ground_takes_no_part_in_an_impact(forwards, falls, words):
+    """A ball that falls and one that is thrown; one that grazes the ground, of whose motion 1 % is lost."""
+    found, _ = on_ground([0.0] * 10 + [-40.0] + [-44.0] * 8, touching=(10, 11), speeds=[forwards] * 19, falls=falls)
+    assert [words in text for text in found] == ([True] if words else [])
 
 
 def test_what_bodies_lose_by_one_another_in_the_air_is_not_of_the_ground_on_which_they_land():
@@ -213,3 +221,4 @@ def test_what_drives_a_body_gives_it_back_what_it_loses():
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[False] * 5]))
     along, across = (moving(*v) for v in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)))
     assert _free_energy((body, body), (along, across)) == pytest.approx(100.0)
+    assert _free_energy((body, body), (along, moving(10.0, 0.0, 1e-15))) == pytest.approx(200.0)    # held, with round-off
