@@ -103,10 +103,10 @@ def test_what_is_lifted_again_falls_again():
     assert "60 J of the 400 J" in last
 
 
-def test_an_impact_within_a_step_needs_smaller_steps_and_no_smaller_cells():
+def test_an_impact_within_a_step_needs_smaller_steps_first_and_cells_then():
     text, = notes([0.0, -40.0])
-    assert "most of it in a single step" in text and "smaller time.step, or time.accuracy = 1e-3" in text
-    assert "smaller cells" not in text
+    assert "most of it in a single step" in text and "Use a fifth of the time.step" in text
+    assert text.endswith("where that hardly helps, as on clay, smaller cells at the bodies")
 
 
 def test_soil_that_flows_fast_around_what_goes_on_is_reported():
