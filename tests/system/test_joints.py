@@ -15,8 +15,10 @@ from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Motion, Stage
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup.build import build
+from hybrid.step import joint_rates
 from hybrid.step.equations import begin
 from hybrid.step.evaluation import Unknowns
+from hybrid.step.joint_rates import second_rates_of_rows
 from hybrid.step.workspace import Workspace
 from hybrid.study.scenes import GEOMETRY, box, elastic, plane
 from hybrid.study.scenes import scene as soil_box
@@ -91,6 +93,20 @@ def test_a_stage_that_changes_nothing_leaves_joined_bodies_as_they_move():
     (whole, drive), (parts, of_parts), (held, of_held) = ended(1), ended(4), ended(2, held=("y",))
     assert np.array_equal(whole, parts) and drive == of_parts == 0.0
     assert of_held != 0.0 and not np.array_equal(whole, held)
+
+
+def test_joined_bodies_let_go_at_a_point_accelerate_as_their_joints_allow():
+    """A drive has held the end of a double pendulum; what it pushed with accelerates that body alone before."""
+    scene = double_pendulum(1, 0.01)
+    held = Motion(body="lower", component="z", point=(0.2, 0.0, CENTRE), velocity=-0.3)
+    simulation = build(replace(scene, stages=(Stage("driven", 5, motions=(held,)), Stage("free", 5))))
+    for _ in zip(range(5), simulation.steps()):
+        pass
+    before, model = simulation.stage_model(0, 0.0), simulation.stage_model(1, 0.05)
+    state = model.begin_stage(simulation.state, before)
+    assert np.abs(second_rates_of_rows(model.joints, state.bodies)).max() < 1e-6
+    released = joint_rates.released(model, simulation.state, before.guides)
+    assert np.abs(second_rates_of_rows(model.joints, released.bodies)).max() > 1.0
 
 
 def test_joints_hold_to_round_off_and_their_forces_are_in_the_history():
