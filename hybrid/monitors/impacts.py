@@ -140,10 +140,12 @@ class GroundImpact(ImpactLoss):
         # [J], energy of motion along z and of all other, at the last step; largest and least since something happens
         self._last = (0.0, 0.0) if state is None else _upright_and_other(model.bodies, state.bodies)
         self._upright, self._other = self._last
+        self._rubbed = self._rubbing = 0.0      # [J], what friction had taken then, and has taken by now
 
     @property
     def size(self):
-        return self._largest - self._other if self._upright > GRAZES * self._largest else self._largest
+        rest = self._largest - self._other - (self._rubbing - self._rubbed)
+        return max(self._upright, rest) if self._upright > GRAZES * self._largest else self._largest
 
     def warnings(self, view):
         """Energy, time, share, limit and remedy."""
@@ -151,7 +153,8 @@ class GroundImpact(ImpactLoss):
         if not soil.held and soil.law.plastic or not view.keeps_energy:
             return
         if self._before is None:
-            self._upright, self._other = self._last
+            (self._upright, self._other), self._rubbed = self._last, self._rubbing
+        self._rubbing = float(view.energy.get("friction", 0.0))
         self._last = _upright_and_other(view.model.bodies, view.state.bodies)
         self._upright, self._other = max(self._upright, self._last[0]), min(self._other, self._last[1])
         loss, found = self.follow(view)

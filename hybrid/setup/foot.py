@@ -16,7 +16,7 @@ STANDS = 20.0       # times W h, h the height of its centre: stiffness by which 
 LEANS = np.cos(np.radians(30.0))    # cosine to the vertical of the normal of a foot
 ALIKE = 1e-4                        # of unit normals; of the radius: faces in one plane
 TOUCHES = 0.125     # of a cell over its lowest vertex: what lies flat; the spacing of places of contact on elastic soil
-MOSTLY = 0.5        # of a face that does
+MOSTLY = 0.5        # of a face that does, and of a cell, or of the body where that is less, across which it does
 TURNS = 36                          # directions in half a turn that widths are measured along
 
 
@@ -37,7 +37,12 @@ def stands_on_edge(body, motion, soil):
     above = vertices[:, 2] - ground
     if above.min() < -cell:
         return False
-    flat = (above < above.min() + TOUCHES * cell)[surface.triangles].all(axis=1)
+    low, level = above < above.min() + TOUCHES * cell, vertices[:, :2][:, ~soil.grid.collapsed[:2]]
+    axes = np.linalg.svd(level[low] - level[low].mean(axis=0), full_matrices=True)[2]
+    widths, whole = np.ptp(level[low] @ axes.T, axis=0), np.ptp(level @ axes.T, axis=0)
+    if (widths < MOSTLY * np.minimum(cell, whole)).any():       # a chamfer is a face too
+        return True
+    flat = low[surface.triangles].all(axis=1)
     area = 0.5 * np.linalg.norm(np.cross(*np.moveaxis(np.diff(surface.vertices[surface.triangles], axis=1), 1, 0)), axis=1)
     if not flat.any():
         return True

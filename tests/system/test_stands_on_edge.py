@@ -60,14 +60,14 @@ def test_with_sharp_edges_it_is_pinned(monkeypatch):
     assert falling()[0] > 0.1 and sideways() > 0.9
 
 
-def standing(geometry="box.geo", parameters=None, rotation=np.eye(3), lift=0.0, surface=None, cell=0.1):
-    """What `stands_on_edge` says of a body that touches the soil with its lowest vertex, or is lifted over it."""
-    parameters = parameters or {"length": 1.0, "width": 1.0, "height": 0.5, "size": 0.2}
-    mesh = generate(GEOMETRY / geometry, parameters)
+def standing(size=0.2, rotation=np.eye(3), lift=0.0, surface=None, cell=0.1):
+    """What `stands_on_edge` says of a box that touches the soil with its lowest vertex, or is lifted over it."""
+    mesh = generate(GEOMETRY / "box.geo", {"length": 1.0, "width": 1.0, "height": 0.5, "size": size})
     body = SimpleNamespace(surface=build_surface(mesh.points, mesh.contact, mesh.normals), radius=0.8)
     vertices = body.surface.vertices @ rotation.T
     ground = 0.0 if surface is None else vertices[:, 0] * surface
-    soil = SimpleNamespace(grid=SimpleNamespace(smallest_cell=cell), constants=None, heights=None if surface is None else (
+    grid = SimpleNamespace(smallest_cell=cell, collapsed=np.zeros(3, bool))
+    soil = SimpleNamespace(grid=grid, constants=None, heights=None if surface is None else (
         (np.array([-9.0, 9.0]), None, surface * np.array([-9.0, 9.0])), 9.0))
     motion = SimpleNamespace(rotation=rotation, position=np.array([0.0, 0.0, lift - (vertices[:, 2] - ground).min()]))
     return foot.stands_on_edge(body, motion, soil)
@@ -83,12 +83,29 @@ def turned(angle, about=1):
 
 @pytest.mark.parametrize("values, expected", [
     ({}, False), ({"lift": 0.5}, False), ({"rotation": turned(0.3)}, False), ({"rotation": turned(5.0)}, True),
+    ({"rotation": turned(5.0), "size": 0.05}, True), ({"cell": 9.0}, False),
     ({"rotation": turned(30.0, 0)}, True), ({"rotation": turned(30.0, 0) @ turned(20.0)}, True),
     ({"rotation": turned(30.0), "lift": -0.15}, False), ({"rotation": turned(20.0), "lift": -0.05}, True),
     ({"rotation": turned(-20.0), "surface": np.tan(np.radians(20.0))}, False),
     ({"surface": np.tan(np.radians(20.0))}, True)],
-    ids=["flat", "over the ground", "less than a place", "5 degrees", "edge", "corner", "in the soil", "pressed in",
+    ids=["flat", "over the ground", "less than a place", "5 degrees", "in fine triangles", "narrow",
+         "edge", "corner", "in the soil", "pressed in",
          "on a slope", "upright on a slope"])
 def test_what_stands_on_an_edge(values, expected, monkeypatch):
     monkeypatch.setattr(foot, "extent", lambda constants, axis: (-1.0, 0.0 if "surface" not in values else 9.0))
     assert standing(**values) is expected
+
+
+@pytest.mark.parametrize("width, cell, collapsed, expected", [
+    (0.3, 0.1, False, False), (0.04, 0.1, False, True), (0.04, 0.07, True, False), (0.3, 0.1, True, False)])
+def test_a_narrow_foot_is_flat_from_half_a_cell_on(width, cell, collapsed, expected, monkeypatch):
+    """Of a T upside down, whose upper base is larger; seen from below."""
+    monkeypatch.setattr(foot, "extent", lambda constants, axis: (-1.0, 0.0))
+    corner = np.array([(-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)])
+    vertices = np.concatenate([np.column_stack([w * corner, np.full(4, z)]) for w, z in ((width, 0.0), (1.0, 0.5))])
+    triangles = np.array([(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7)])
+    body = SimpleNamespace(radius=0.8, surface=SimpleNamespace(
+        vertices=vertices, triangles=triangles, normals=np.tile([0.0, 0.0, -1.0], (4, 1))))
+    grid = SimpleNamespace(smallest_cell=cell, collapsed=np.array([False, collapsed, False]))
+    soil = SimpleNamespace(grid=grid, constants=None, heights=None)
+    assert foot.stands_on_edge(body, SimpleNamespace(rotation=np.eye(3), position=np.zeros(3)), soil) is expected
