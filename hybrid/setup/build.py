@@ -88,7 +88,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [_connected(*one, soil, gravity, len(placed) == 1, one[0].name in scene.joined)
+    bodies = [_connected(*one, soil, gravity, alone=len(placed) == 1)
               for one in zip(scene.bodies, meshes, mirrors, placed)]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     removed_soil = []
@@ -115,11 +115,11 @@ def _put_together(scene, decisions, accuracy, body_force, law):
                       _start(removed_soil, settled, bodies, carried_grid))
 
 
-def _connected(described, mesh, mirrors, placed, soil, gravity, alone, joined):
+def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState);
-    alone, joined: as of `connect_to_soil`."""
+    alone: whether there is no other body."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
-    connected = connect_to_soil(described, body, motion, soil, gravity, alone, joined)
+    connected = connect_to_soil(described, body, motion, soil, gravity, alone)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
     connected = replace(connected, unmirrored_cut=unmirrored_cut(mesh, mirrors), parts=parts)

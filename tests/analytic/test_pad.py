@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.bearing import base_share
 from hybrid.setup.build import build
 from hybrid.study.scenes import NO_OUTPUT
@@ -95,18 +95,6 @@ def test_what_may_flow_has_softer_springs(load, more, expected):
     elif "velocity" in more:
         scene = replace(scene, time=Time(0.01))
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
-
-
-def test_what_joints_hand_on_to_a_body_is_not_known():
-    """A rod to a second body in the air."""
-    scene = pad(4).scene
-    other = replace(scene.bodies[0], name="other", rest_on=1.0, held=("x", "y", "z", "rx", "ry", "rz"))
-    rod = Joint("rod", "rod", ("pad", "other"), point=(0.0, 0.0, 0.2), end=(0.0, 0.0, 0.0))
-    for joints, expected in ((), 500), ((rod,), 20):
-        load = replace(scene.stages[0].loads[0], body="pad")
-        stage = replace(scene.stages[0], loads=(load,))
-        given = replace(scene, bodies=(scene.bodies[0], other), joints=joints, stages=(stage,))
-        assert build(given).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
 
 
 @pytest.mark.parametrize("cohesion, expected", [(10e3, 500), (100.0, 20), (0.0, 20)])

@@ -96,6 +96,14 @@ def test_what_stands_on_an_edge(values, expected, monkeypatch):
     assert standing(**values) is expected
 
 
+def test_a_cylinder_on_its_side_keeps_its_rims():
+    """It stands on no edge: soil is in contact along its curved face."""
+    drum = replace(box(1.0, 1.0, 1.0), geometry=GEOMETRY / "cylinder.geo", density=2000.0, rest_on=0.0,
+                   parameters={"radius": 0.25, "height": 0.5, "size": 0.15}, rotation=(1.0, 0.0, 0.0, 90.0))
+    scene = put_on_soil(drum, size=0.25, x=(-0.5, 0.5), y=(-0.5, 0.5), z=(-0.5, 0.5), material=SOIL)
+    assert build(scene).model.bodies[0].soft_edges is not None
+
+
 @pytest.mark.parametrize("width, cell, collapsed, expected", [
     (0.3, 0.1, False, False), (0.04, 0.1, False, True), (0.04, 0.07, True, False), (0.3, 0.1, True, False)])
 def test_a_narrow_foot_is_flat_from_half_a_cell_on(width, cell, collapsed, expected, monkeypatch):

@@ -138,9 +138,9 @@ def test_bodies_that_hit_one_another_on_soil_are_told_of_larger_losses():
 
 
 def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_contact=(), near=(), plastic=True, speeds=None,
-              load=0.0, falls=0.0, **scheme):
+              load=0.0, falls=0.0, rubbed=0.0, **scheme):
     """The same of the monitor of held ground, for a body that touches it at the steps `touching`; speeds: its own [m/s];
-    load: work of loads in a step [J]; falls: [m/s] downwards."""
+    load: work of loads in a step [J]; falls: [m/s] downwards; rubbed: [J] that friction has taken from the tenth step on."""
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.ones(6, bool), radius=radius)
     monitor, found = GroundImpact(None, None), []
     for step, error in enumerate(errors):
@@ -151,7 +151,7 @@ def on_ground(errors, touching=(), held=True, radius=0.5, gravity=9.81, in_conta
         model = SimpleNamespace(bodies=(body,), pairs=(), soil=soil, gravity=np.array([0.0, 0.0, -gravity]))
         found += monitor.notes(StepView(model, SimpleNamespace(time=float(step), bodies=(motion,)),
                                         SimpleNamespace(**{"inertia": True, "first_order": False} | scheme), report,
-                                        {"error": error, "load": load * step}))
+                                        {"error": error, "load": load * step, "friction": rubbed * (step >= 10)}))
     return found, monitor.later()
 
 
@@ -169,6 +169,21 @@ def test_what_is_left_of_the_way_along_the_ground_takes_no_part_in_an_impact(for
     """A ball that falls and one that is thrown; one that grazes the ground, of whose motion 1 % is lost."""
     found, _ = on_ground([0.0] * 10 + [-40.0] + [-44.0] * 8, touching=(10, 11), speeds=[forwards] * 19, falls=falls)
     assert [words in text for text in found] == ([True] if words else [])
+
+
+def test_what_friction_takes_along_the_ground_takes_no_part_in_an_impact():
+    """A thrown ball is slowed down from 60 to 50 m/s, by 1 100 J: by friction, or by what is lost."""
+    slowed = {"touching": (10, 11), "speeds": [60.0] * 10 + [50.0] * 9, "falls": 10.0}
+    lost = [0.0] * 10 + [-40.0] + [-44.0] * 8
+    assert on_ground(lost, **slowed)[0] == []
+    text, = on_ground(lost, rubbed=1100.0, **slowed)[0]
+    assert "44 J of the 100 J" in text
+
+
+def test_on_elastic_soil_as_well():
+    elastic = {"held": False, "plastic": False, "touching": range(30), "speeds": [60.0] * 19, "falls": 10.0}
+    text, = on_ground([0.0] * 10 + [-40.0] + [-44.0] * 8, **elastic)[0]
+    assert text.startswith("impact on elastic soil: 44 J of the 100 J")
 
 
 def test_what_bodies_lose_by_one_another_in_the_air_is_not_of_the_ground_on_which_they_land():

@@ -197,6 +197,7 @@ def test_a_footing_that_a_stage_loads(half, load, words):
     described = replace(described, stages=(replace(described.stages[0], loads=(Load(**load),)),))
     warnings = limit_texts(cells.few_cells, described)
     assert len(warnings) == bool(words) and all(re.search(words, text) for text in warnings)
+    assert all(("settles" in text) == ("load that it carries" not in text and "beside" not in text) for text in warnings)
 
 
 def test_a_loaded_mast_on_a_footing_does_not_stand_on_clay():

@@ -72,6 +72,8 @@ def test_a_wall_that_is_pushed_against_clay():
     finest = float(re.search(r"cells of at most ([\d.]+) m", text)[1])
     assert texts(cells=round(1.1 * HEIGHT / finest), limit=clay_cells.pushed_walls, **AGAINST) == []
     assert texts(cells=10, limit=clay_cells.pushed_walls) == []
+    hardly = AGAINST | {"velocity": (1e-5, 0.0, 0.0)}
+    assert texts(cells=10, limit=clay_cells.pushed_walls, **hardly) == []
     sand = {"law": "drucker-prager", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3, "poisson": 0.3,
             "strength": None}
     assert texts(cells=10, limit=clay_cells.pushed_walls, material=sand, layers=(), **AGAINST) == []

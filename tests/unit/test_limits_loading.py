@@ -200,7 +200,8 @@ BESIDE = {"force": (0.0, 0.0, -8e4), "point": (0.25, 0.0, 0.0)}
 
 
 @pytest.mark.parametrize("held, arm", [({}, 0.25), ({"held": ("ry",)}, 0.0), ({"of_stage": ("ry",)}, 0.0),
-                                       ({"stage_motion": (Motion(held=("ry",)),)}, 0.0)])
+                                       ({"stage_motion": (Motion(held=("ry",)),)}, 0.0),
+                                       ({"held": ("ry",), "stage_motion": (Motion(free=("ry",)),)}, 0.25)])
 def test_a_moment_that_something_holds_is_no_eccentricity(held, arm):
     assert loads(**held, **BESIDE)[1] == pytest.approx(arm)
 
@@ -212,6 +213,21 @@ def test_a_load_normal_to_an_inclined_base_is_central_and_upright():
     assert travel == pytest.approx(normal) and arm == 0.0 and not inclined
     travel, arm, inclined = loads((0.0, 1.0, 0.0, 30.0), force=(0.0, 0.0, -8e4))
     assert travel == pytest.approx(np.sqrt(0.75) * normal) and inclined and arm == pytest.approx(0.5 * np.tan(np.pi / 6))
+
+
+@pytest.mark.parametrize("normal, inclined", [(True, False), (False, True)])
+def test_a_base_on_a_slope_is_judged_as_on_level_ground(normal, inclined):
+    """A strip turned by the 15 degrees of the slope, under a load normal to it or straight down."""
+    slope = np.tan(np.radians(15.0))
+    force = -8e4 * (np.array([-np.sin(np.radians(15.0)), 0.0, np.cos(np.radians(15.0))]) if normal else np.eye(3)[2])
+    scene = described(Stage("one", 10, loads=(Load(force=tuple(force)),)), material=CLAY, size=(0.8, 0.3),
+                      rotation=(0.0, 1.0, 0.0, -15.0), rest_on="ground")
+    strip = replace(scene.bodies[0], driven=(), held=())
+    soil = replace(scene.soil, ground=((-4.0, -4.0 * slope - 0.5), (4.0, 4.0 * slope - 0.5)), top=1.0)
+    simulation = build(replace(scene, bodies=(strip,), soil=soil, gravity=(0.0, 0.0, 0.0)))
+    (_, travel, _, plane, _, found, arm), = loaded(simulation.scene, simulation.model)
+    assert plane and found == inclined and arm == 0.0       # 40 mm, less than a twentieth of its size, straight down
+    assert travel == pytest.approx((0.0, 0.0, -8e4 * (1.0 if normal else np.cos(np.radians(15.0)))), abs=1.0)
 
 
 @pytest.mark.parametrize("way, material, told", [

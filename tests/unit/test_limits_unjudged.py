@@ -28,6 +28,15 @@ def test_a_block_of_three_cells_is_told_of_and_one_of_four_is_not(size, count):
     assert all("body is 3 cells of 0.2 m wide across its path down, limit 4" in text for text in found)
 
 
+@pytest.mark.parametrize("way, count", [(2e-3, 0), (3e-3, 1)])
+def test_a_block_that_hardly_makes_clay_yield_is_not_told_of(way, count):
+    """Half a metre deep, 2 s_u B/E = 2.4 mm."""
+    block = box(0.6, 0.6, 0.3, density=1700.0, position=(0.05, 0.05, -0.5), held=("x", "y", "rx", "ry", "rz"),
+                driven=("z",), velocity=(0.0, 0.0, -0.2 * way))
+    simulation = build(put_on_soil(block, size=0.2, x=(-1.2, 1.2), y=(-1.2, 1.2), z=(-1.2, 0.6), steps=5))
+    assert len(list(unjudged(simulation.scene, simulation.model, ()))) == count
+
+
 TABLE = """// A lid of 3 m on two legs of 0.25 m, a prism along y
 Point(1) = {-1.5, 0, -0.8}; Point(2) = {-1.25, 0, -0.8}; Point(3) = {-1.25, 0, 0}; Point(4) = {1.25, 0, 0};
 Point(5) = {1.25, 0, -0.8}; Point(6) = {1.5, 0, -0.8}; Point(7) = {1.5, 0, 0.3}; Point(8) = {-1.5, 0, 0.3};

@@ -95,6 +95,13 @@ def test_a_ratio_of_stresses_belongs_to_soil_that_starts_with_some():
     scene_of({"relative_density": 60.0}, geostatic=False, k0=0.6)
 
 
+def test_a_layer_of_clay_that_is_to_be_buoyant_is_told_so_once():
+    layer = {"name": "one", "law": "von-mises", "bottom": 0.5,
+             "material": {"young": 1e6, "poisson": 0.49, "density": 1800.0, "strength": 1e4, "buoyant": True}}
+    found = message(SAND, layer=[layer])
+    assert "without relative_density; give the buoyant density" in found and "faults" not in found
+
+
 def test_layers_do_not_overlap_and_have_names_of_their_own():
     found = message(SAND, layer=[{"name": "one", "bottom": 0.4}, {"name": "one", "top": 0.5}])
     assert "soil.layer.1: must not overlap layer.0, z = 0.4 to 1 m, but goes from 0 to 0.5 m" in found

@@ -22,6 +22,15 @@ def test_figures_are_drawn_from_the_history_alone(tmp_path):
     np.testing.assert_allclose(turned, np.degrees(0.02 * np.arange(1, 7)), atol=1e-10)
 
 
+def test_motion_beside_a_cell_is_drawn(tmp_path, monkeypatch):
+    """Axes span a ten-thousandth of one at least."""
+    spans = []
+    monkeypatch.setattr("hybrid.output.trajectory._limits_at_least", lambda limits, set_limits, span: spans.append(span))
+    FakeSimulation().run([history.History(tmp_path)])
+    trajectory(tmp_path, 0.02)
+    assert spans == pytest.approx([2e-6, 2e-6])
+
+
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_rotation_counts_full_turns(axis):
     angle = np.linspace(0, 20, 200)

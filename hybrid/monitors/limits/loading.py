@@ -152,10 +152,12 @@ def loaded(scene, model):
         if not force[axis] or not free[axis] or model.soil.grid.collapsed[axis]:
             continue
         below = centre - (0.0, 0.0, body.surface.extent(-rotation[2]))
-        travel, middle = _on_base(whole, place, force) or (np.where(np.arange(3) == axis, force, 0.0), below)
-        inclined = np.abs(np.where(free[:3], force - travel, 0.0)).max() > ASIDE * np.linalg.norm(travel)
+        on_base = _on_base(whole, initial_vertices(described, whole), force)
+        pressing, middle = on_base or (np.where(np.arange(3) == axis, force, 0.0), below)
+        inclined = np.abs(np.where(free[:3], force - pressing, 0.0)).max() > ASIDE * np.linalg.norm(pressing)
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross(centre - middle, force)
+        travel = _over_level_ground(whole, place, pressing) if on_base else pressing
         arm = 0.0       # where the ground or others that touch soil share a moment: how, the soil decides
         if all(j is not None and above[j] for j in bodies_joined_to(scene, i)):
             arm = np.abs(np.where(free[3:], moment, 0.0)).max() / np.linalg.norm(travel)
@@ -172,6 +174,12 @@ def _on_base(body, place, force):
     normals, area = faces(body, place)
     base = np.where(normals @ normal > PLANE * area, area, 0.0)
     return normal @ force * normal, base @ place[body.surface.triangles].mean(axis=1) / base.sum()
+
+
+def _over_level_ground(body, place, force):
+    """A force (3,) [N] normal to an inclined base as one normal to it with its vertices at `place`, over level ground."""
+    normal = leading_normal(body, place, force)
+    return force if normal is None else np.linalg.norm(force) * normal
 
 
 def loadings(scene, model):
