@@ -38,8 +38,9 @@ def stands_on_edge(body, motion, soil):
     if above.min() < -cell:
         return False
     low, level = above < above.min() + TOUCHES * cell, vertices[:, :2][:, ~soil.grid.collapsed[:2]]
-    axes = np.linalg.svd(level[low] - level[low].mean(axis=0), full_matrices=True)[2]
-    widths, whole = np.ptp(level[low] @ axes.T, axis=0), np.ptp(level @ axes.T, axis=0)
+    from_middle = level[low] - level[low].mean(axis=0)
+    axes = np.linalg.eigh(from_middle.T @ from_middle)[1]      # in columns
+    widths, whole = np.ptp(level[low] @ axes, axis=0), np.ptp(level @ axes, axis=0)
     if (widths < MOSTLY * np.minimum(cell, whole)).any():       # a chamfer is a face too
         return True
     flat = low[surface.triangles].all(axis=1)
