@@ -25,7 +25,8 @@ class Loading(NamedTuple):
     """How a body loads the soil.
 
     body      RigidBody with the surface of the whole body
-    travel    (3,) [m]; of one that forces push the largest component [N] of the largest force
+    travel    (3,) [m]; of one that forces push the part [N] of the largest force that is normal to an inclined base, else
+              its largest component
     place     (V, 3) [m] of its vertices where it begins
     plane     whether a plane face leads
     by_force  whether forces push it, and how far it goes is not known
@@ -193,6 +194,7 @@ def to_failure(scene, model, found):
 
 
 def _hardly(scene, soil, found):
+    """Whether a Loading moves a body through clay by less than HARDLY."""
     material = material_at(scene, soil, found.place[:, 2].mean())
     if material.law != CLAY or not material.young:
         return False
