@@ -1,11 +1,11 @@
-"""Bodies lowered under clay or sand, as a trapdoor is: too little of it rests on few cells, which is unsafe and told."""
+"""Bodies lowered under clay or sand, as a trapdoor is: too little of it rests on few cells, which is unsafe and reported."""
 
 from dataclasses import replace
 
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits import cells
+from hybrid.monitors.limits import cells, trapdoors
 from hybrid.scene import Axis, Faces, Grid, Material, Soil, Time
 from hybrid.study.random.fresh.problem import PUSHED, body, scene
 from hybrid.study.random.fresh.problem import clay as clay_of
@@ -23,14 +23,15 @@ def trapdoor(across, velocity=-0.001):
 
 @pytest.mark.parametrize("across, exact, found", [(8, 11.65, 8.13), (16, 11.65, 10.03), (32, 11.65, 10.99)])
 def test_the_law_of_trapdoors_is_what_was_measured(across, exact, found):
-    assert found / exact == pytest.approx(1 - cells.TRAPDOOR / across, abs=0.02)
+    assert found / exact == pytest.approx(1 - trapdoors.TRAPDOOR / across, abs=0.02)
 
 
-def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
-    text, = limit_texts(cells.trapdoors, trapdoor(16))
+def test_a_door_lowered_under_clay_is_reported_and_not_as_one_that_is_pushed_in():
+    text, = limit_texts(trapdoors.trapdoors, trapdoor(16))
     assert "16 cells wide and is lowered" in text and "14% too low" in text
     assert not limit_texts(cells.few_cells, trapdoor(16))
-    assert not limit_texts(cells.trapdoors, trapdoor(32)) and not limit_texts(cells.trapdoors, trapdoor(16, velocity=0.001))
+    for silent in (trapdoor(32), trapdoor(16, velocity=0.001)):
+        assert not limit_texts(trapdoors.trapdoors, silent)
 
 
 @pytest.mark.parametrize("across, dilation, lacks", [
@@ -38,7 +39,7 @@ def test_a_door_lowered_under_clay_is_told_and_not_as_one_that_is_pushed_in():
 def test_the_law_of_trapdoors_under_sand_is_what_was_measured(across, dilation, lacks):
     sand = Material(law="mohr-coulomb", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=dilation,
                     cohesion=0.0)
-    assert cells._under_sand(sand) / across == pytest.approx(lacks, abs=0.06)
+    assert trapdoors._lacks_under_sand(sand) / across == pytest.approx(lacks, abs=0.06)
     under = trapdoor(across)
-    found = limit_texts(cells.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
+    found = limit_texts(trapdoors.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
     assert len(found) == (lacks > 0.2 or across == 16 or dilation == 20.0) and all("under sand" in text for text in found)

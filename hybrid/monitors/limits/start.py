@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
+from hybrid.monitors.limits.cell_size import ON_LINE
 from hybrid.scene.ground import heights, heights_at, steepest
 from hybrid.soil.given_ground import STEEPEST
 from hybrid.soil.points import extent
@@ -27,6 +28,11 @@ def step_of_ground(scene, soil):
     steps = [(np.diff(z, axis=0), np.diff(x))] + ([] if y is None else [(np.diff(z, axis=1), np.diff(y))])
     return max(float(np.abs(rise[width < cell] if axis == 0 else rise[:, width < cell]).max(initial=0.0))
                for axis, (rise, width) in enumerate(steps))
+
+
+def under_all(soil, place):
+    """Whether a body with its vertices at `place` (V, 3) [m] is below all of the soil."""
+    return place[:, 2].max() <= extent(soil.constants, 2)[0] + ON_LINE * soil.grid.resolution
 
 
 def levelled(soil, place):
