@@ -50,7 +50,7 @@ def connect_to_soil(described, body, motion, soil, gravity, alone):
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
     stands = alone and stands_on(described.rest_on, soil, gravity)
     body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
-    body = replace(body, places=chosen, penalty=penalty(described, body, rotation, soil, spacing, radius, gravity))
+    body = replace(body, places=chosen, penalty=penalty(described, body, motion, soil, spacing, radius, gravity))
     if not (soil.held or chosen.at_corners):
         body = _beside_edges(described, body, motion, soil, gravity, np.isinf(radius))
     if interface and not chosen.at_corners:

@@ -232,6 +232,19 @@ def test_plates_that_shear_soil_in_plane_strain_have_softer_springs(friction, ex
     assert body.penalty == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("wide, poisson, driven, expected", [
+    (1.2, 0.49, ("z",), 50.0 * 17.11 / 0.8), (0.7, 0.49, ("z",), 20 / 0.2), (1.2, 0.0, ("z",), 20 / 0.2),
+    (1.2, 0.4999, ("z",), 500 / 0.2), (1.2, 0.49, ("x", "z"), 20 / 0.2)])
+def test_springs_on_a_thin_layer_that_yields_follow_its_stiffness(wide, poisson, driven, expected):
+    """50 M/(E H) under a base wider than the layer, of 0.8 m, is high; no less than 20/h and no more than 500/h."""
+    velocity = tuple(-0.01 * (axis in driven) for axis in "xyz")
+    described = soil_scene([box(wide, 0.8, 0.4, position=(1.0, 0.4, 0.0), rest_on=0.0, driven=driven, velocity=velocity)],
+                           x=Axis(0.0, 2.0, 0.2), y=Axis(0.0, 0.8, collapsed=True), z=(-0.8, 0.4))
+    clay = replace(described.soil.material, law="von-mises", strength=1e4, poisson=poisson)
+    body, = build(replace(described, soil=replace(described.soil, material=clay))).model.bodies
+    assert body.penalty == pytest.approx(expected, rel=1e-3)
+
+
 @pytest.mark.parametrize("young, driven, softer", [(1e9, (), True), (1e9, ("z",), False), (1e4, (), False)])
 def test_a_body_that_rolls_on_stiff_soil_does_not_feel_single_places(young, driven, softer):
     """Its penalty is that on held soil, where this is the softer one and the weight is the load."""
