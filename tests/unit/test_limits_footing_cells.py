@@ -145,7 +145,8 @@ def test_one_on_soil_that_dilates_less_and_one_that_goes_far():
 
 def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
     force = Load(force=((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -1e5)))
-    assert len(texts(driven=(), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, 0.0), loads=(force,))) == 1
+    text, = texts(driven=(), held=("x", "y", "rx", "ry", "rz"), velocity=(0.0, 0.0, 0.0), loads=(force,))
+    assert "settlement under lower loads is within 5 %" in text and "settlement" not in texts()[0]
     assert len(texts(gravity=(0.0, 0.0, -9.81))) == 1
 
 

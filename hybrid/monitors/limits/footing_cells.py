@@ -64,7 +64,7 @@ n = 12: 15; φ = 30°, ψ = 0, H/D = 1.75, n = 8: 10 to 20.
 
 import numpy as np
 
-from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import loadings
 from hybrid.monitors.limits.materials import SAND, material_at
 from hybrid.monitors.limits.sand_cells import clay_under
@@ -98,11 +98,14 @@ def cohesive_strips(scene, model):
             continue
         if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
             # a load beside the middle stands on less
-            yield from _strip(body, max(width - 2.0 * arm, cell), cell, material, 0.0 if by_force else -travel[2])
+            left = max(width - 2.0 * arm, cell)
+            below = settles(by_force and soil.grid.collapsed.any(), width / cell, arm)
+            yield from _strip(body, left, cell, material, 0.0 if by_force else -travel[2], below)
 
 
-def _strip(body, width, cell, material, travel):
-    """Text, if any, about a strip of a `width` [m] that is driven by a `travel` [m] into soil of a Material."""
+def _strip(body, width, cell, material, travel, below):
+    """Text, if any, about a strip of a `width` [m] that is driven by a `travel` [m] into soil of a Material; below: what is
+    said of lower loads."""
     angle, dilation = material.friction_angle, material.dilation_angle or 0.0
     reduced = _reduced(angle, dilation)
     stiffness = material.young or 0.0       # with `reference_young` it is not one number: no rise is reported
@@ -114,7 +117,7 @@ def _strip(body, width, cell, material, travel):
         enough = cell * (EXCESS / excess) ** (1 / ORDER)
         yield (f"{body.name} is pressed on soil with cohesion and friction with a base {width / cell:.2g} cells of "
                f"{cell:.3g} m wide: what cohesion lets it carry ({over}) is about {excess:.0%} too high{when}, limit "
-               f"{EXCESS:.0%}, as it drives the next cell too. Use cells of at most {enough:.2g} m under it, or "
+               f"{EXCESS:.0%}, as it drives the next cell too{below}. Use cells of at most {enough:.2g} m under it, or "
                "extrapolate to none: load with cells half as large less 1.5 times the difference of both")
 
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.monitors.limits.cell_size import EXCESS, smaller_cells
+from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import driven, loadings, to_failure
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
@@ -123,7 +123,7 @@ def footings(scene, model):
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane, *_ in loadings(scene, model):
+    for body, travel, place, plane, by_force, _, arm in loadings(scene, model):
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         if not plane or travel[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
@@ -134,13 +134,13 @@ def footings(scene, model):
         excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
         part = ", a part of its load at this depth," if bottom < top_of(soil) - BURIED * width else ""
         if excess > EXCESS and not covers(place, soil):
-            less = "the difference"
+            less, below = "the difference", settles(by_force and strip, width / cell, arm)
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"
             yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what "
                    f"the sand's own weight lets it carry (N_γ){part} is about {excess:.0%} too high, more if the base is "
-                   f"smooth{_rising(material)}, limit {EXCESS:.0%}. Extrapolate two sizes of cells to none: load of cells "
-                   f"half as large less {less}")
+                   f"smooth{_rising(material)}, limit {EXCESS:.0%}{below}. Extrapolate two sizes of cells to "
+                   f"none: load of cells half as large less {less}")
 
 
 def pipes(scene, model):
