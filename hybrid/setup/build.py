@@ -14,6 +14,7 @@ from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup import on_ground
+from hybrid.setup.bearing import carried_by
 from hybrid.setup.bodies import build_body, mesh_of, refuse_outside
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
@@ -88,8 +89,8 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [_connected(*one, soil, gravity, alone=len(placed) == 1)
-              for one in zip(scene.bodies, meshes, mirrors, placed)]
+    bodies = [_connected(*one, soil, gravity, len(placed) == 1, carried_by(number, placed, joints))
+              for number, one in enumerate(zip(scene.bodies, meshes, mirrors, placed))]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     removed_soil = []
     if any(inside):
@@ -115,11 +116,11 @@ def _put_together(scene, decisions, accuracy, body_force, law):
                       _start(removed_soil, settled, bodies, carried_grid))
 
 
-def _connected(described, mesh, mirrors, placed, soil, gravity, alone):
+def _connected(described, mesh, mirrors, placed, soil, gravity, alone, carried):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState);
-    alone: whether there is no other body."""
+    alone, carried: as in `connect_to_soil`."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
-    connected = connect_to_soil(described, body, motion, soil, gravity, alone)
+    connected = connect_to_soil(described, body, motion, soil, gravity, alone, carried)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],
                           connected.mass.mass / body.mass.mass)
     connected = replace(connected, unmirrored_cut=unmirrored_cut(mesh, mirrors), parts=parts)

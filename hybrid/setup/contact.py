@@ -37,9 +37,10 @@ ACROSS = 32
 FLUSH = 1e-3            # of a cell, between an edge and the end of the soil at which it lies
 
 
-def connect_to_soil(described, body, motion, soil, gravity, alone):
+def connect_to_soil(described, body, motion, soil, gravity, alone, carried=()):
     """The body, at its BodyState at the start, with all of its contact that follows from `soil`; gravity (3,) [m/s²];
-    alone: whether there is no other body. Raises SceneError."""
+    alone: whether there is no other body; carried: (RigidBody, BodyState) of those whose loads it may bear. Raises
+    SceneError."""
     rotation = motion.rotation
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
@@ -49,7 +50,8 @@ def connect_to_soil(described, body, motion, soil, gravity, alone):
     interface, sharp = interface_of(described, mixed), body.surface
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
     stands = alone and stands_on(described.rest_on, soil, gravity)
-    body = replace(body, below_capacity=not (soil.held or moves) and bears(body, rotation, soil, gravity, stands))
+    below = not (soil.held or moves) and bears(body, motion, soil, gravity, stands, carried)
+    body = replace(body, below_capacity=below)
     body = replace(body, places=chosen, penalty=penalty(described, body, motion, soil, spacing, radius, gravity))
     if not (soil.held or chosen.at_corners):
         body = _beside_edges(described, body, motion, soil, gravity, np.isinf(radius))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Load, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.bearing import base_share
 from hybrid.setup.build import build
 from hybrid.study.scenes import NO_OUTPUT
@@ -94,6 +94,24 @@ def test_what_may_flow_has_softer_springs(load, more, expected):
         scene = replace(scene, stages=(Stage("press", 1),))
     elif "velocity" in more:
         scene = replace(scene, time=Time(0.01))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+@pytest.mark.parametrize("above, joints, x, load, expected", [
+    (0.5, (), 0.0, 40e3, 20), (0.5, (), 0.0, 20e3, 500), (0.5, (), 2.8, 40e3, 500), (1.5, (), 0.0, 40e3, 20),
+    (0.5, ("weld",), 1.6, 40e3, 20), (0.5, ("weld",), 1.6, 2e3, 500), (0.5, ("ground",), 1.6, 40e3, 500)])
+def test_loads_of_bodies_that_it_carries_count_as_its_own(above, joints, x, load, expected):
+    """Of a block above the pad, which is 2 m wide, or that a joint connects with it: with V = 5 kN of its own the quarter
+    bears 30 kN. A block beside it, or one that is joined to the ground as the pad is, presses it by nothing."""
+    scene = pad(4).scene
+    side = {"length": 1.0, "width": 1.0, "height": 0.5, "size": 5.0}
+    block = replace(scene.bodies[0], name="block", parameters=side, rest_on=above, position=(x, 0.0, 0.0), density=1.0)
+    own, onto = scene.stages[0].loads[0], Load(body="block", force=((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, -load)))
+    kinds = {"weld": [("pad", "block")], "ground": [("pad",), ("block",)]}
+    made = tuple(Joint(f"{kind} {number}", "weld", bodies, (0.0, 0.0, 0.0))
+                 for kind in joints for number, bodies in enumerate(kinds[kind]))
+    scene = replace(scene, bodies=(*scene.bodies, block), joints=made,
+                    stages=(Stage("press", 1, loads=(replace(own, body="pad"), onto)),))
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
 
 
