@@ -21,18 +21,25 @@ def depth_of_overlap(one, other, collapsed):
 
 
 def _depth(one, pose, other, place, collapsed):
-    """Depth [m] in the `other` body of the deepest of some places in `one`: its vertices, the middles of its edges and
-    facets, and these a little below its surface, as bodies at the same place have all others in common."""
+    """Depth [m] in the `other` body of the deepest of some places in `one`: its vertices, what is over the middles of its
+    edges and facets on its smooth surface, as those of the facets of a bore are in the air, and places a little below the
+    latter, as bodies at the same place have all others in common."""
     surface = one.surface
-    corners = surface.vertices[surface.triangles]
-    middle = corners.mean(axis=1)
+    middle, edges = _middles(surface)
     below = middle - 2 * ALLOWED_OVERLAP * one.radius * surface.normals
     below = below[distances(below, surface)[0] < 0.0]
-    edges = (0.5 * (corners[:, i] + corners[:, i - 1]) for i in range(3))
-    position = pose.position + np.concatenate([surface.vertices, middle, below, *edges]) @ pose.rotation.T
+    position = pose.position + np.concatenate([surface.vertices, middle, below, edges]) @ pose.rotation.T
     y = (np.where(collapsed, place.position, position) - place.position) @ place.rotation
     y = y[((y > other.surface.lower) & (y < other.surface.upper)).all(axis=1)]
     return float(np.max(-distances(y, other.surface)[0], initial=0.0)) if len(y) else 0.0
+
+
+def _middles(surface):
+    """Places (F, 3) and (3 F, 3) [m] of a smooth surface over the middles of its facets and of their edges."""
+    corners, nodes = surface.vertices[surface.triangles], surface.tree.patches.nodes
+    curvature = nodes[:, 6:] if len(nodes) else np.zeros_like(corners)
+    edges = 0.5 * (corners + np.roll(corners, -1, axis=1)) - 0.25 * curvature
+    return corners.mean(axis=1) - curvature.sum(axis=1) / 9.0, edges.reshape(-1, 3)
 
 
 def volume_of_overlap(one, other):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits import cells, trapdoors
+from hybrid.monitors.limits import cells, sand_cells, trapdoors
 from hybrid.scene import Axis, Faces, Grid, Material, Soil, Time
 from hybrid.study.random.fresh.problem import PUSHED, body, scene
 from hybrid.study.random.fresh.problem import clay as clay_of
@@ -40,6 +40,8 @@ def test_the_law_of_trapdoors_under_sand_is_what_was_measured(across, dilation, 
     sand = Material(law="mohr-coulomb", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=dilation,
                     cohesion=0.0)
     assert trapdoors._lacks_under_sand(sand) / across == pytest.approx(lacks, abs=0.06)
-    under = trapdoor(across)
-    found = limit_texts(trapdoors.trapdoors, replace(under, soil=replace(under.soil, material=sand)))
+    under = replace(trapdoor(across), gravity=(0.0, 0.0, -9.81))
+    under = replace(under, soil=replace(under.soil, material=sand))
+    found = limit_texts(trapdoors.trapdoors, under)
     assert len(found) == (lacks > 0.2 or across == 16 or dilation == 20.0) and all("under sand" in text for text in found)
+    assert not limit_texts(sand_cells.footings, under)

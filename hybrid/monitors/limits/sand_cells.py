@@ -21,7 +21,7 @@ from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import driven, loadings, to_failure
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
-from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of
+from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of, under_all
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
@@ -126,7 +126,8 @@ def footings(scene, model):
     for body, travel, place, plane, by_force, _, arm in loadings(scene, model):
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
-        if not plane or travel[2] >= 0.0 or not width or bottom < top_of(soil) - SHALLOW * width or material.law not in SAND:
+        shallow = bottom >= top_of(soil) - SHALLOW * width and not under_all(soil, place)
+        if not (plane and travel[2] < 0.0 and width and shallow and material.law in SAND):
             continue
         if clay_under(scene, soil, bottom, width):
             continue        # the base is punched through the sand into it
