@@ -235,14 +235,15 @@ def test_the_law_of_plates_lifted_out_of_clay_is_what_was_measured(number, cells
 
 
 def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength_gradient=0.0, height=0.5, stages=None,
-           joint=None, slack=0.0, **table):
-    """Warnings about a half of a strip under so much clay, on cells of 0.25 m; joint: its kind, to a driven body above."""
+           joint=None, slack=0.0, end=None, **table):
+    """Warnings about a half of a strip under so much clay, on cells of 0.25 m; joint: its kind, to a driven body above; end:
+    of the clay along x."""
     moves = {"driven": ("z",), "velocity": (0.0, 0.0, speed)} | table
     plate = body("box.geo", {"length": 2 * half, "width": 1.0, "height": height, "size": 20.0},
                  position=(0.0, 0.5, -depth - 0.5 * height), **moves)
     grid = Grid(Axis(start=0.0, end=4.0, size=0.25), slice_(), Axis(start=-12.0, end=0.5, size=0.25), Faces(z_min="fixed"))
     clay = Soil(Material(law="von-mises", young=5e6, poisson=0.49, density=1600.0, strength=strength,
-                         strength_gradient=strength_gradient), top=0.0, geostatic=False)
+                         strength_gradient=strength_gradient), top=0.0, geostatic=False, upper=end and (end, 1.0, 0.0))
     described = scene("plate", grid, clay, [plate], Time(1.0, inertia=False), 10, (0.0, 0.0, gravity))
     if joint:
         ends = {"kind": joint, "point": (0.0, 0.0, 0.5 * height), "end": (0.0, 0.0, -0.2)}
@@ -258,6 +259,7 @@ def lifted(depth=0.75, half=1.0, speed=0.01, gravity=0.0, strength=1e4, strength
 def test_a_plate_lifted_out_of_clay_on_few_cells():
     text, = lifted()
     assert "0.75 m of it, 3 cells of 0.25 m" in text and "about 53% too high" in text and "at most 0.047 m" in text
+    assert not lifted(end=0.75)     # as wide as the clay on it: a platen
     assert "about 40%" in lifted(half=1.06)[0]      # edges off lines of the grid
     assert "about 42%" in lifted(gravity=-9.81)[0]  # of 0.39 that the strength of the clay bears, and 2/3 of that of weight
     assert "about 11%" in lifted(3.75)[0]

@@ -34,7 +34,7 @@ from hybrid.monitors.limits.loading import driven, loaded, through_clay
 from hybrid.monitors.limits.materials import CLAY, law_at, material_at, stays_attached
 from hybrid.monitors.limits.sand_cells import PASSIVE, Wedge, beside, depths, free_walls, pushed
 from hybrid.monitors.limits.shape import leading_normal, narrowest, sides
-from hybrid.monitors.limits.start import STEEP, outline, top_of
+from hybrid.monitors.limits.start import STEEP, covers, outline, top_of
 from hybrid.runtime.comm import anywhere, total
 
 LOWER = 1.4         # cells that the wedge is lower than the wall
@@ -174,6 +174,7 @@ def lifted_plates(scene, model):
         material = material_at(scene, soil, top_of(soil) - 0.5 * depth)
         parts = plane and travel[2] > 0.0 and not stays_attached(body, soil) and material.law == CLAY
         parts &= np.ptp(place[:, 2]) > SHARED * cell        # what does not is reported by `contact.thin_wall`
+        parts &= not covers(place, soil)                    # no soil beside it is sheared
         if not parts or not across or not cell < depth < FLOWS * min(side.width for side in across):
             continue
         # s_u H on the sides over γ H on the area, both for a height of one

@@ -131,7 +131,7 @@ def lifted(scene, model):
     for body, travel, place, plane, *_ in loadings(scene, model):
         top, width = place[:, 2].max(), narrowest(soil.grid, place, travel)
         inclined = not plane and leading_normal(body, place, travel) is not None
-        if travel[2] <= 0.0 or not width or top_of(soil) - top <= cell or inclined:
+        if travel[2] <= 0.0 or not width or top_of(soil) - top <= cell or inclined or covers(place, soil):
             continue
         material, depth = material_at(scene, soil, top + 0.5 * cell), top_of(soil) - top + (not plane) * 0.5 * width
         if material.law in SAND and depth <= DEEPEST * width * (1 + 1e-6):
