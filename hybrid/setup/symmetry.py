@@ -3,8 +3,8 @@
 A body that lies across such planes counts with the share of its mass in the part that is modelled.
 
 A face of the grid at the end of x or y is a plane of symmetry if it is a roller, the soil reaches it, gravity lies in it,
-and a body either ends there, with the cut face of its geometry (the group `symmetry`) in the plane, or lies across it with
-its middle in the plane. A body that reaches both ends of the axis, as a platen on all of the soil, has none, nor has one
+and a body either ends there, with the cut face of its geometry (the group `symmetry`) in the plane, or lies across it and
+is symmetric about it. A body that reaches both ends of the axis, as a platen on all of the soil, has none, nor has one
 that lies across the plane and is joined beside it. In the plane a body moves along it and turns about its normal only; its
 other components are held.
 """
@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from hybrid.body.attitude import initial_rotation
-from hybrid.body.symmetry import AXES, Mirror
+from hybrid.body.solid import moments
+from hybrid.body.symmetry import AXES, UNLIKE, Mirror
 from hybrid.runtime.errors import SceneError
 from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_stage import moved
@@ -56,9 +57,21 @@ def mirrors_of(scene, described, mesh):
             if axis.collapsed or scene.gravity[a] or scene.grid.faces.of(a, side) != "roller":
                 continue
             cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
-            across = not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
+            across = (not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
+                      and _is_symmetric(points, mesh.tets, a, at))
             if (cut or across) and _soil_reaches(scene, a, at) and (cut or not moved(scene, described, out_of_plane(name))):
                 yield Mirror(name, at, cut)
+
+
+def _is_symmetric(points, tets, a, at):
+    """Whether the moments of volume that are zero by symmetry about the plane at `at` [m] of coordinate `a` are at most
+    UNLIKE beside those of the body's own size: a block that is turned about an axis in the plane has its middle there, too."""
+    whole = moments(points, tets)
+    origin = whole[0, 1:] / whole[0, 0]
+    origin[a] = at
+    whole, side = moments(points - origin, tets), 1 + a
+    size = np.sqrt(np.diag(whole) * whole[side, side])
+    return (np.abs(np.delete(whole[side] / size, side)) < UNLIKE).all()
 
 
 def _all_mirrors(scene, meshes):

@@ -114,6 +114,8 @@ def test_a_body_that_is_cut_is_held_in_its_plane_and_may_not_leave_it():
     {"position": (0.0, 0.02, 0.0)},                                 # its middle beside the plane
     {"parameters": {"radius": 0.7, "size": 0.15}},                   # over all of the soil
     {"driven": ("y", "z"), "held": ("x", "rx", "ry", "rz")},        # it goes through the plane
+    {"geometry": GEOMETRY / "box.geo", "rotation": (1.0, 0.0, 0.0, 10.0),                # a block that leans
+     "parameters": {"length": 0.3, "width": 0.6, "height": 0.2, "size": 1.0}},
 ])
 def test_a_body_across_an_end_of_the_grid_is_no_half_otherwise(change):
     assert not build(pressed(y=HALF, **change)).mirrors

@@ -152,14 +152,15 @@ def _crossing(soil, body, place, described):
         for face, reached, sign, side, filled in ((start, low[i], -1, "start", lower[i]),
                                                   (end, high[i], 1, "end", upper[i])):
             beyond = sign * (reached - face)
-            mirrored = abs(0.5 * (low[i] + high[i]) - face) < ROUND_OFF * (high[i] - low[i])
+            mirrored = any(mirror.axis == name and mirror.at == face for mirror in body.mirrors)
             if beyond < slack or mirrored or sign * (filled - face) < -grid.smallest_cell:
                 continue
             if _lowest_beyond(place[body.outline.triangles], i, sign, face) < upper[2] + grid.smallest_cell:
                 return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, "
                         f"{beyond / (high[i] - low[i]):.0%} of its length along {name}: there is no soil beyond, so that "
-                        f"this part has no contact. Move grid.{name}.{side} outwards, or the body; a body whose middle "
-                        "is in the face is half a model, one that covers all of the soil a platen")
+                        f"this part has no contact. Move grid.{name}.{side} outwards, or the body; a body that is "
+                        "symmetric about the face, a roller, and stays so, is half a model, one that covers all of the soil a "
+                        "platen")
     return None
 
 
