@@ -81,7 +81,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     placed = [build_body(*pair, loads.on_bodies(0.0), scene.stages) for pair in zip(scene.bodies, meshes)]
     scene, placed = lower_to_ground(scene, placed)
     refuse_outside(scene, placed)
-    placed = [(line_through_soil(scene, described, body, planes), motion)
+    placed = [(line_through_soil(scene, described, body, motion, planes), motion)
               for described, (body, motion), planes in zip(scene.bodies, placed, mirrors)]
     joints = build_joints(scene, placed, meshes)
     refuse_overlap_of_bodies(placed, [joint.bodies for joint in joints],

@@ -74,6 +74,15 @@ def test_a_line_in_other_soil_is_refused(soil):
         build(scene(**soil))
 
 
+@pytest.mark.parametrize("change", [{"direction": (6.0, 0.0, -0.9)}, {"direction": None}, {"length": 3.0}])
+def test_a_line_whose_far_end_is_in_the_soil_is_refused(change):
+    """It would count as one that is pulled along the ground."""
+    described = scene()
+    body, = described.bodies
+    with pytest.raises(SceneError, match="body.pull.direction of body: the far end of the line, .* below the ground at z = 0"):
+        build(replace(described, bodies=(replace(body, pull=replace(body.pull, **change)),)))
+
+
 DEMO = Path(__file__).parents[2] / "demos" / "embedded.toml"
 
 
