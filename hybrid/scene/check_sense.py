@@ -64,6 +64,7 @@ BODY = (
 FASTEST = 200.0         # [m/s]
 STRONGEST = 3000.0      # [m/s²] of gravity: 300 g, as in a centrifuge
 LONGEST = 2000.0        # [m] of an axis
+THICKEST = 0.5          # [m] of a wire, or of the bars of a chain
 RIGIDITY = 20.0, 2e4    # E / s_u of clays
 HEAVY = 2.0             # weight over Young's modulus
 SLENDER = 20.0          # of cells
@@ -159,6 +160,9 @@ def _body(path, body, heavy):
     for key, velocity in moving:
         if hypot(*velocity) > FASTEST:
             yield f"{path}.{key} = {shown(velocity)} m/s looks wrong: {MILLIMETRES[:-1]} a second?"
+    if body.pull is not None and (body.pull.diameter or 0.0) > THICKEST:
+        yield (f"{path}.pull.diameter = {body.pull.diameter:g} m looks wrong: {MILLIMETRES[:-1]}, 0.076 for 76? Chains "
+               "have bars of up to 0.2 m")
     if body.pull is not None and body.pull.direction is not None and body.pull.tension_only:
         along = sum(a * b for a, b in zip(body.pull.direction, body.pull.velocity))
         if along < 0:

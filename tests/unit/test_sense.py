@@ -55,6 +55,7 @@ SLOPE = "slope"
     ("anchor", ["body.0.rotation=[0, 1, 0, 1.57]"], "is 1.57 in radians, 90 degrees?"),
     ("anchor", ["body.0.pull.velocity=[500, 0, 0]"], "body.0.pull.velocity = [500, 0, 0] m/s looks wrong"),
     ("anchor", ["body.0.pull.direction=[-1, 0, 0]"], "it points away from where the velocity"),
+    ("embedded", ["body.0.pull.diameter=76"], "body.0.pull.diameter = 76 m looks wrong: SI units expected"),
     ("first", ["body.0.velocity=[0, 0, 0]"], "body.0.driven = [z] with velocity = [0, 0, 0] and spin = [0, 0, 0] looks"),
 ])
 def test_a_number_that_looks_wrong_gives_a_note(name, overrides, words):
