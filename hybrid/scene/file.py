@@ -44,7 +44,7 @@ def validate(scene):
 
 
 def _checked(scene):
-    found = list(faults(scene))
+    found = list(dict.fromkeys(faults(scene)))      # a fault of the scheme is one of each part that needs another
     if found:
         raise Faults(found)
     return scene

@@ -5,6 +5,15 @@ from typing import Literal
 from hybrid.scene.body import Vector
 from hybrid.scene.table import key, table
 
+# other words for the kinds
+KIND_WORDS = {
+    **dict.fromkeys(("pin", "pinned", "revolute", "pivot"), "hinge"),
+    **dict.fromkeys(("spherical", "ball-joint", "ball joint"), "ball"),
+    **dict.fromkeys(("fixed", "rigid", "clamp", "clamped"), "weld"),
+    **dict.fromkeys(("link", "bar", "strut"), "rod"),
+    **dict.fromkeys(("rope", "cable", "chain", "wire", "tether"), "line"),
+}
+
 
 @table
 class Joint:
@@ -14,7 +23,7 @@ class Joint:
     name: str = key("label of the joint in the output")
     kind: Literal["hinge", "ball", "weld", "rod", "line"] = key(
         "hinge: one rotation is left; ball: all rotations; weld: none; rod: two points keep their distance; line: they "
-        "come no farther apart than its length")
+        "come no farther apart than its length", words=KIND_WORDS)
     bodies: tuple[str, ...] = key("names of two bodies, or of one that is joined to the ground")
     point: str | Vector = key("where the first body is joined: name of a physical point of its geometry, or three "
                               "coordinates of that geometry", "m")

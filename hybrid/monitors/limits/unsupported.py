@@ -57,7 +57,7 @@ def loads_that_lift(scene, model):
         place = initial_vertices(described, body)
         if place[:, 2].mean() < top_of(soil) or held_down(body):
             continue
-        weight = -body.mass.mass * scene.gravity[2]
+        weight = 0.0 - body.mass.mass * scene.gravity[2]     # not -0
         for s, stage in enumerate(body.stages or ()):
             forces = [load.force.values for load in stage.loads if load.force is not None]
             if len(forces) != 1 or stage.held[2] or stage.driven[2]:    # tables of several need not have the same times
