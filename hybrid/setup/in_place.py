@@ -64,15 +64,16 @@ def starts_inside(body, motion, points, soil):
               if body.places.at_corners else
               "points of a user's law cannot be cut" if is_of_user(soil.law) else "")
     if reason:
-        raise SceneError(f"body {body.name!r} overlaps the soil at the start: {count} corners of the points' domains lie "
-                         f"up to {depth:.3g} m inside the body, limit {limit:.3g} m, and {reason}; set body.rest_on to "
+        where = (f"{count} corners of the points' domains lie up to {depth:.3g} m inside the body, limit {limit:.3g} m"
+                 if depth > limit else "it lies between the corners of the points' domains")
+        raise SceneError(f"body {body.name!r} overlaps the soil at the start: {where}, and {reason}; set body.rest_on to "
                          "the height of the soil's surface, or raise body.position")
     return True
 
 
 def _between_corners(body, motion, points, soil, limit):
     """Whether a body that no corner of a domain is inside of lies in the soil, as a plate thinner than domains does."""
-    if soil.held or soil.basis != "gimp":
+    if soil.basis != "gimp":
         return False
     if soil.heights is not None and depth_in_ground(*soil.heights, body, motion, soil.grid.collapsed) <= limit:
         return False        # on the ground as it is given: columns may end above that
