@@ -9,10 +9,11 @@ from math import hypot
 
 from hybrid.runtime.data import shipped_names
 from hybrid.runtime.errors import SceneError
+from hybrid.scene.body import out_of_plane
 from hybrid.scene.check_grid import grid_faults
 from hybrid.scene.check_joint import contact_faults, joint_faults
 from hybrid.scene.check_material import material_faults
-from hybrid.scene.check_stage import spatial_spin, stage_faults
+from hybrid.scene.check_stage import spatial_spin, stage_faults, velocities
 from hybrid.scene.defaults import resolve
 from hybrid.scene.read import clipped, did_you_mean
 from hybrid.scene.soil import clay_layers, laws
@@ -33,6 +34,7 @@ def faults(scene):
         yield from material_faults(scene.soil, scene.grid)
     for i, body in enumerate(scene.bodies):
         yield from _body(f"body.{i}", body, scene.time.inertia)
+        yield from _in_plane(f"body.{i}", body, scene.grid)
         yield from _interface(f"body.{i}", body, scene.soil)
         yield from need(body.contact != "faces" or scene.soil.basis == "gimp", f"body.{i}.contact", body.contact,
                         f"'corners' with soil.basis = {scene.soil.basis!r}, whose points have no faces", "leave it out")
@@ -167,6 +169,17 @@ def _body(key, body, inertia):
                         "release that freedom or start it at rest")
     if body.pull is not None:
         yield from _pull(f"{key}.pull", body.pull)
+
+
+def _in_plane(key, body, grid):
+    """Motions across collapsed axes, which would carry the body out of the slice."""
+    rates = velocities(body)
+    for axis in "xyz":
+        if getattr(grid, axis).collapsed:
+            out = [name for name in out_of_plane(axis) if name in body.driven or rates[name]]
+            yield from need(not out, f"{key}.driven" if set(out) <= {*body.driven} else f"{key}.velocity, spin", out,
+                            f"motions in the plane across the collapsed axis {axis}", "leave these components out, or model "
+                            f"the third dimension with grid.{axis}.collapsed = false")
 
 
 def _interface(key, body, soil):

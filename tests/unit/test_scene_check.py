@@ -132,6 +132,21 @@ def test_a_component_is_driven_or_held(path, inertia):
     assert "body.0.driven = [y, rz]: must be other than held" in message and "one of the two lists" in message
 
 
+@pytest.mark.parametrize("motion, words", [
+    ({"driven": ("y",), "velocity": (0.0, 0.1, 0.0)}, r"body.0.driven = \[y\]: must be motions in the plane"),
+    ({"driven": ("rx",), "spin": (0.1, 0.0, 0.0)}, r"body.0.driven = \[rx\]"),
+    ({"velocity": (0.1, 0.1, 0.0)}, r"body.0.velocity, spin = \[y\]: must be motions in the plane across"),
+    ({"spin": (0.0, 1.0, 0.0), "velocity": (0.1, 0.0, 0.1)}, "")])
+def test_a_body_does_not_move_across_a_collapsed_axis(motion, words):
+    """It would leave the slice, and its force with it."""
+    described = soil_scene([box(0.2, 0.2, 0.2, rest_on=0.0, **motion)], y=Axis(0.0, 0.2, collapsed=True), time=Time(0.01))
+    if not words:
+        assert validate(described)
+        return
+    with pytest.raises(SceneError, match=words):
+        validate(described)
+
+
 def test_points_without_domains_have_no_faces(path):
     message = refused(path, "soil.basis=mpm", "body.0.contact=faces")
     assert message.endswith("contact = faces: must be 'corners' with soil.basis = 'mpm', whose points have no faces; "
