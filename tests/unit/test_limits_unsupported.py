@@ -23,6 +23,10 @@ def test_soil_with_weight_over_a_free_face():
     assert 'Set grid.faces.z_min = "fixed"' in text
     text, = limit_texts(unsupported.soil_without_support, soil(lower=(0.0, 0.0, -0.2)))
     assert "ends at z = -0.2 m, 0.2 m above the grid's lower end" in text
+    pressed = box(0.2, 0.2, 0.2, rest_on=0.0, position=(0.4, 0.4, 0.0), driven=("z",), velocity=(0.0, 0.0, -0.01))
+    text, = limit_texts(unsupported.soil_without_support,
+                        soil([pressed], gravity=(0.0, 0.0, 0.0), faces=Faces(z_min="free")))
+    assert text.startswith("Nothing holds the soil along z, without inertia") and "gives way as a whole" in text
 
 
 @pytest.mark.parametrize("table", [

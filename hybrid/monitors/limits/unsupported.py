@@ -19,9 +19,9 @@ BESIDE = 0.25   # cells from that support to the centre of mass from which on th
 
 
 def soil_without_support(scene, model):
-    """Soil with weight that no face of the grid and no body below it holds."""
+    """Soil with weight, or that a body presses, which no face of the grid and no body below it holds."""
     soil, gravity = model.soil, np.asarray(scene.gravity, float)
-    if soil.held or model.scheme.inertia or not gravity[2]:
+    if soil.held or model.scheme.inertia or soil.grid.collapsed[2] or not gravity[2] and not _pressed(scene):
         return
     if any(_supports(scene, soil, axis, side) for axis in range(3) for side in (0, 1)):
         return
@@ -34,9 +34,17 @@ def soil_without_support(scene, model):
     apart = low - soil.grid.extent[2, 0]
     where = (f'grid.faces.z_min = "{scene.grid.faces.z_min}"' if apart < 0.5 * cell else
              f"the soil ends at z = {low:.3g} m, {apart:.3g} m above the grid's lower end")
-    yield (f"Nothing supports the weight of the soil, {total(soil.constants.mass) * np.abs(gravity[2]):.3g} N, without "
-           f"inertia: {where}, and no face is fixed, so that it falls and no step has an equilibrium. Set "
+    weight = total(soil.constants.mass) * np.abs(gravity[2])
+    what, outcome = ((f"Nothing supports the weight of the soil, {weight:.3g} N", "falls and no step has an equilibrium")
+                     if weight else ("Nothing holds the soil along z", "gives way as a whole to what presses it"))
+    yield (f"{what}, without inertia: {where}, and no face is fixed, so that it {outcome}. Set "
            'grid.faces.z_min = "fixed", with the soil down to it, or time.inertia = true')
+
+
+def _pressed(scene):
+    """Whether a body is moved or loaded along z."""
+    loads = [load.force for stage in scene.stages for load in stage.loads if load.force is not None]
+    return bool(loads) or any(any(any(stage) for stage in path_along(scene, body, "z")) for body in scene.bodies)
 
 
 def _supports(scene, soil, axis, side):
