@@ -177,8 +177,8 @@ def test_soil_that_cannot_be_cut_refuses_a_body_inside_it(soil, contact):
 
 def test_a_thin_body_between_the_corners_of_held_soil_is_refused():
     """No corner of a domain lies in it."""
-    plate = {"length": 0.3, "width": 0.3, "height": 0.01}
-    sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.06), parameters=plate),))
+    plate = {"length": 0.3, "width": 0.3, "height": 0.1}
+    sunk = scene(bodies=(Body(GEOMETRY, 1000.0, position=(0.5, 0.5, -0.15), parameters=plate),))
     with pytest.raises(SceneError, match="it lies between the corners of the points' domains, and the soil is held"):
         build(replace(sunk, soil=replace(sunk.soil, held=True)))
 
