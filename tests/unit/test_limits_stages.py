@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits.stages import coarse_swings, long_increments, unreached_ends
+from hybrid.monitors.limits.stages import coarse_swings, early_rows, long_increments, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -88,6 +88,14 @@ def test_loads_that_reach_their_last_value_are_not(load):
 def test_a_motion_that_ends_or_begins_after_its_stage_is_reported(motion, words):
     (text,) = texts(unreached_ends, {"motions": (motion,)})
     assert text.startswith("stage.0.motion.0.") and re.search(words, text), text
+
+
+@pytest.mark.parametrize("rows, noted", [
+    (((-0.5, 0.0), (1.0, 0.3)), True), (((-0.5, 0.0), (0.0, 0.0), (1.0, 0.3)), False), (((0.0, 0.0), (1.0, 0.3)), False)])
+def test_rows_before_the_start_of_a_stage_are_reported(rows, noted):
+    found = texts(early_rows, {"motions": (Motion(component="x", displacement=rows),)})
+    assert bool(found) == noted
+    assert not noted or "begins at -0.5 s, limit 0" in found[0] and "where it has 0.1 m already" in found[0]
 
 
 @pytest.mark.parametrize("motion", [

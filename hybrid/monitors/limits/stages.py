@@ -84,6 +84,18 @@ def unreached_ends(scene, model):
                    f"the stage: {remedy}")
 
 
+def early_rows(scene, model):
+    """Tables of loads and motions with rows before the start of their stage, which are passed over."""
+    for s, stage in enumerate(scene.stages):
+        for path, given, columns, unit in _tables(f"stage.{s}", stage):
+            table = Table.of(table_rows(given, columns, path), 0.0)
+            begins, first = table.at(0.0), table.values[0]
+            if table.times[0] < 0.0 and np.abs(begins - first).max() > REACHED * np.abs(table.values).max():
+                yield (f"{path} begins at {table.times[0]:g} s, limit 0: times count from the start of the stage "
+                       f"{stage.name!r}, where it has {_shown(begins)} {unit} already, not its first row, {_shown(first)} "
+                       f"{unit}, and what comes before is left out. Let its times begin at 0")
+
+
 def coarse_swings(scene, model):
     """Loads that swing in so few steps that the default scheme answers them by too little.
 
@@ -127,4 +139,4 @@ def _shown(values):
     return f"({text})" if len(values) > 1 else text
 
 
-LIMITS = (long_increments, unreached_ends, coarse_swings)
+LIMITS = (long_increments, unreached_ends, early_rows, coarse_swings)
