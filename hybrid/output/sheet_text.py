@@ -1,5 +1,7 @@
 """Text of a sheet {section: {label: value}}, such as the model sheet, and the sheet of a mesh."""
 
+import numpy as np
+
 from hybrid.runtime.sandbox import shortcoming
 
 
@@ -25,7 +27,7 @@ def mesh_sheet(body, mass, density):
         else density,
         **({"modelled": "half of a body, as is all that follows"} if len(body.symmetry) else {}),
         "mass [kg]": mass.mass,
-        "centre of mass [m]": mass.centre,
+        "centre of mass [m]": np.where(np.abs(mass.centre) > 1e-12 * np.ptp(body.points), mass.centre, 0.0),
         "inertia about the centre [kg m²]": list(mass.inertia),
     }
     sheet = {f"mesh of {body.name}": mesh_rows, "mass": mass_rows}

@@ -64,6 +64,7 @@ BODY = (
 FASTEST = 200.0         # [m/s]
 STRONGEST = 3000.0      # [m/s²] of gravity: 300 g, as in a centrifuge
 LONGEST = 2000.0        # [m] of an axis
+FALLS = 10.0            # lengths of the grid
 THICKEST = 0.5          # [m] of a wire, or of the bars of a chain
 RIGIDITY = 20.0, 2e4    # E / s_u of clays
 HEAVY = 2.0             # weight over Young's modulus
@@ -85,6 +86,7 @@ def sense_notes(scene):
     if scene.gravity[2] > 0:
         yield f"gravity = {shown(scene.gravity)} m/s² looks wrong: it acts upwards; z points up, [0, 0, -9.81] is usual"
     yield from _grid(scene.grid)
+    yield from _steps(scene)
 
 
 def _soil(scene, heavy):
@@ -169,6 +171,18 @@ def _body(path, body, heavy):
             yield (f"{path}.pull.direction = {shown(body.pull.direction)} looks wrong: it points away from where the "
                    f"velocity {shown(body.pull.velocity)} m/s leads, so that the line goes slack; it leads from the "
                    "body to the far end")
+
+
+def _steps(scene):
+    """Steps with inertia in which what falls leaves the grid many times over: contact is then searched everywhere."""
+    longest = max(axis.end - axis.start for axis in scene.grid.axes)
+    for s, stage in enumerate(scene.stages):
+        step, fall = scene.step_of(stage), 0.5 * hypot(*scene.gravity) * scene.step_of(stage)**2
+        if scene.time.inertia and fall > FALLS * longest:
+            key = f"stage.{s}.step" if stage.step else "time.step"
+            yield (f"{key} = {step:g} s looks wrong: what falls goes {fall:.3g} m in one step, and the grid is "
+                   f"{longest:.3g} m long. Use hundredths of a second, or time.inertia = false if loads change slowly")
+            return
 
 
 def _grid(grid):

@@ -13,7 +13,8 @@ from functools import cached_property
 import numpy as np
 
 from hybrid.runtime.errors import SceneError
-from hybrid.setup.ground import SLIVER, mean_levels, shares_below
+from hybrid.setup.ground import mean_levels, shares_below
+from hybrid.soil.given_ground import SLIVER
 from hybrid.soil.points import lines_of_points
 from hybrid.state import PointConstants
 

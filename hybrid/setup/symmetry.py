@@ -65,7 +65,7 @@ def mirrors_of(scene, described, mesh):
 
 def _is_symmetric(points, tets, a, at):
     """Whether the moments of volume that are zero by symmetry about the plane at `at` [m] of coordinate `a` are at most
-    UNLIKE beside those of the body's own size: a block that is turned about an axis in the plane has its middle there, too."""
+    UNLIKE beside those of the body's own size: a block turned about an axis in the plane has its middle there too."""
     whole = moments(points, tets)
     origin = whole[0, 1:] / whole[0, 0]
     origin[a] = at

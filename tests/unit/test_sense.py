@@ -39,6 +39,8 @@ SLOPE = "slope"
     (SLOPE, ["soil.material.poisson=-0.5"], "poisson = -0.5 looks wrong: soils have 0.1 to 0.5"),
     (SLOPE, ["gravity=[0, 0, -9810]"], "gravity = [0, 0, -9810] m/s² looks wrong: 9.81 m/s² expected"),
     (SLOPE, ["gravity=[0, 0, 9.81]"], "it acts upwards"),
+    ("rolling_sphere", ["time.step=100"], "time.step = 100 s looks wrong: what falls goes 4.9e+04 m in one step, and"),
+    ("rolling_sphere", ["stage.0.step=20"], "stage.0.step = 20 s looks wrong"),
     (SLOPE, [CLAY, *SHARED, "soil.material.strength=10"], "strength = 10 Pa looks wrong"),
     (SLOPE, [CLAY, *SHARED, "soil.material.strength_gradient=1.5"],
      "strength_gradient = 1.5 Pa/m looks wrong: Pa/m expected; is this a number of kPa/m"),

@@ -159,8 +159,8 @@ def _crossing(soil, body, place, described):
                 return (f"reaches {beyond:.3g} m past the {side} of the grid at {name} = {face:.4g} m, "
                         f"{beyond / (high[i] - low[i]):.0%} of its length along {name}: there is no soil beyond, so that "
                         f"this part has no contact. Move grid.{name}.{side} outwards, or the body; a body that is "
-                        "symmetric about the face, a roller, and stays so, is half a model, one that covers all of the soil a "
-                        "platen")
+                        "symmetric about the face, a roller, and stays so, is half a model, one that covers all of the "
+                        "soil a platen")
     return None
 
 
