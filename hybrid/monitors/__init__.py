@@ -21,6 +21,7 @@
 | GroundImpact     | bodies that hit held ground or elastic soil lose energy without a cause |
 | LastImpact       | a run ends in an impact of bodies that has lost energy without a cause  |
 | IdleAdhesion     | clay that touches a body has too little pressure for its adhesion       |
+| ShortLine        | the far end of a line through soil is nearer than where it comes up      |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |
 
@@ -51,12 +52,13 @@ from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
 from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
+from hybrid.monitors.short_line import ShortLine
 from hybrid.monitors.untouched import Untouched
 
 MONITORS = (
     DomainExit, GridEnd, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance,
     PlasticIncrement, FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    LastImpact, IdleAdhesion, Untouched, DampedVibration, FastRotation)
+    LastImpact, IdleAdhesion, ShortLine, Untouched, DampedVibration, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 
