@@ -150,6 +150,23 @@ def test_one_that_a_stage_loads_and_one_on_soil_with_weight():
     assert len(texts(gravity=(0.0, 0.0, -9.81))) == 1
 
 
+@pytest.mark.parametrize("size, found", [(1 / 16, 0.29), (1 / 32, 0.18)])
+def test_an_inclined_load_has_the_excess_of_a_combined_one(size, found):
+    """V = 0.8 of its limit, then along x by a force, or driven: what slip lines have, with 16 and 32 cells."""
+    excess = footing_cells.strip_excess(20.0, 1 / size, 1.0, 1.0)
+    assert footing_cells.COMBINED * excess == pytest.approx(found, abs=0.06)
+    down = Load(force=((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, -1e5)))
+    along = Load(force=((0.0, 0.0, 0.0, 0.0), (5.0, 2e4, 0.0, -1e5)))
+    free = {"held": ("y", "rx", "ry", "rz"), "velocity": (0.0, 0.0, 0.0), "driven": ()}
+    pushed = {**free, "driven": ("x",), "velocity": (0.001, 0.0, 0.0)}
+    for table, load in ((free, along), (pushed, down)):
+        described = strip(**table, loads=(load,))
+        grid = replace(described.grid, x=Axis(start=-2.0, end=2.0, size=size), z=replace(described.grid.z, size=size))
+        text, = limit_texts(footing_cells.cohesive_strips, replace(described, grid=grid))
+        assert "the horizontal one that it carries is up to" in text and f"N_c is by {excess:.0%}" in text
+        assert "within 5 %" not in text
+
+
 def test_one_that_is_loaded_beside_its_middle_stands_on_fewer_cells():
     """On B - 2 e: 5 of 8 cells, and so half as much more."""
     def loaded(x):

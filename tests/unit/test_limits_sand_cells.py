@@ -1,6 +1,7 @@
 """Limits of few cells in sand: each warns with the error that the record of problems set up afresh has, and not beside
 it."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from limit_texts import limit_texts
 
 from hybrid.monitors.limits import clay_cells, sand_cells, shape
 from hybrid.runtime.data import DEMOS
-from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Soil
+from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Motion, Soil
 from hybrid.scene.file import load_scene
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay, sand
@@ -153,11 +154,22 @@ AWAY, AGAINST = ({"driven": ("x",), "held": ("y", "z", "rx", "ry", "rz"), "veloc
 def test_a_wall_that_moves_away_from_sand_is_told_that_its_load_is_too_low():
     """The opposite of one that moves against it; clay, and sand on both sides, are other problems."""
     text, = limit_texts(sand_cells.pushed_walls, retaining(**AWAY))
-    assert "moves away from 2 m of sand, 5 cells" in text and "about 55% too low" in text
-    assert "unsafe" in text and "0.062 m" in text
+    assert "moves away from 2 m of sand, 5 cells" in text and "up to 55% too low" in text
+    assert "unsafe" in text and "Use 22 cells in that height at most" in text
     text, = limit_texts(sand_cells.pushed_walls, retaining(**AGAINST))
     assert "at least 46% too high" in text and "too low" not in text
     assert not limit_texts(sand_cells.pushed_walls, retaining("von-mises", **AWAY))
+
+
+@pytest.mark.parametrize("size, dilation, words", [
+    (0.4, 8.0, "is about 55% too low.*Use cells of at most 0.062 m"),
+    (0.05, 8.0, None), (0.05, 0.0, "localises in bands a cell wide: its load rises with the way, to 1.4 times"),
+    (0.1, 0.0, "is up to 16% too low")])
+def test_fine_cells_let_sand_that_does_not_dilate_localise(size, dilation, words):
+    described = retaining("mohr-coulomb", size=size, **AWAY)
+    material = replace(described.soil.material, dilation_angle=dilation)
+    found = limit_texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, material=material)))
+    assert len(found) == bool(words) and all(re.search(words, text) for text in found)
 
 
 @pytest.mark.parametrize("faces, count", [({"z_min": "fixed"}, 1), ({}, 0)])
@@ -177,7 +189,7 @@ def test_the_pressure_of_soil_with_cohesion_is_a_difference():
     for cohesion, expected in ((0.0, 30), (2000.0, 42)):
         material = replace(described.soil.material, cohesion=cohesion)
         text, = limit_texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, material=material)))
-        assert f"about {expected}% too low" in text
+        assert f"up to {expected}% too low" in text
     material = replace(described.soil.material, cohesion=6000.0)    # it stands by itself
     assert not limit_texts(sand_cells.pushed_walls, replace(described, soil=replace(described.soil, material=material)))
 
@@ -196,8 +208,12 @@ def test_the_law_of_the_layer_at_the_foot_counts():
 
 def test_a_free_wall_beside_a_step_of_the_ground():
     text, = limit_texts(sand_cells.retaining_walls, retaining())
-    assert "retains 2 m of sand" in text and "pressure of the sand is about 55% too low" in text
+    assert "retains 2 m of sand" in text and "pressure of the sand is up to 55% too low" in text
     assert not limit_texts(sand_cells.retaining_walls, retaining(**AWAY))
+    foot = Motion(point=(0.6, 0.0, -1.0), held=("x", "z")), Motion(component="ry", velocity=0.01)
+    turned = retaining()
+    turned = replace(turned, stages=(replace(turned.stages[0], motions=foot),))
+    assert not limit_texts(sand_cells.retaining_walls, turned)     # into the sand
     assert not limit_texts(sand_cells.retaining_walls, retaining("von-mises"))
     assert not limit_texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
 
@@ -243,6 +259,16 @@ def test_a_footing_on_sand_with_weight(table):
     assert "less 1.9 times the difference" in text
     assert ("settlement under lower loads is within 5 %" in text) == (table is LOADED)
     assert "rising with the distance moved as the sand dilates" in text
+
+
+def test_a_footing_on_sand_under_a_load_beside_its_middle_stands_on_less():
+    """e = 0.4 m: on 4.8 of 8 cells."""
+    load = Load(point=(0.4, 0.0, 0.0), force=((0.0, 0.0, 0.0, 0.0), (10.0, 0.0, 0.0, -1e6)))
+    described = strip(held=("y", "rx", "rz"), loads=(load,))
+    described = replace(described, grid=replace(described.grid, x=Axis(start=-4.0, end=4.0, size=0.25)))
+    text, = limit_texts(sand_cells.footings, described)
+    assert "4.8 cells of 0.25 m wide, less twice the 0.4 m by which the load is beside" in text and "121% too high" in text
+    assert "within 5 %" not in text
 
 
 @pytest.mark.parametrize("deep, told, part", [

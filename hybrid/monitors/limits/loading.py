@@ -30,7 +30,7 @@ class Loading(NamedTuple):
     place     (V, 3) [m] of its vertices where it begins
     plane     whether a plane face leads
     by_force  whether forces push it, and how far it goes is not known
-    inclined  whether their resultant is
+    inclined  whether their resultant is, or it is driven along the ground under them
     arm       [m] on which that acts beside the centre, of the base where it presses that
     """
 
@@ -155,7 +155,9 @@ def loaded(scene, model):
         below = centre - (0.0, 0.0, body.surface.extent(-rotation[2]))
         on_base = _on_base(whole, initial_vertices(described, whole), force)
         pressing, middle = on_base or (np.where(np.arange(3) == axis, force, 0.0), below)
-        inclined = np.abs(np.where(free[:3], force - pressing, 0.0)).max() > ASIDE * np.linalg.norm(pressing)
+        aside = np.abs(np.where(free[:3], force - pressing, 0.0)).max() > ASIDE * np.linalg.norm(pressing)
+        inclined = aside or bool(axis == 2 and any(way[:2].any() for _, way in travels_of(
+            scene, described, model.soil.grid.collapsed)))      # or driven along the ground under it
         if axis == 2 and force[2] < 0.0:    # about the middle of the base
             moment = moment + np.cross(centre - middle, force)
         travel = _over_level_ground(whole, place, pressing) if on_base else pressing

@@ -25,6 +25,9 @@ from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_o
 from hybrid.runtime.comm import maximum, minimum
 
 FOOT, ACTIVE = 2.3, 1.65
+# Smooth wall, 2 m of sand, φ = 33°, after 1 and 20 mm, over Rankine's: ψ = 0: 0.88, 0.84 with 8 cells, 0.98, 0.97 with 16,
+# 0.90, 0.95 with 20, 1.05, 1.37 with 32, 1.02, 1.31 with 40; ψ = 8°: 0.98, 0.98 with 32
+STEADY, BANDS = 4.0, 22.0       # degrees of ψ; cells in the height
 # Degrees from the ground of a face that is judged as a wall, and below which the message has what inclined ones measured.
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
@@ -73,7 +76,7 @@ def pushed_walls(scene, model):
     for body, travel, place, plane, *_ in driven(scene, model):
         depth = depths(scene, model.soil, place, travel, SAND, away=True) if plane else None
         if depth is not None and depth.behind > PASSIVE * depth.ahead:
-            yield from _retained(scene, model.soil, body, place, depth.behind, "moves away from", "its load is")
+            yield from _retained(scene, model.soil, body, place, depth.behind, "moves away from", "its load")
 
 
 def pushed(scene, model, laws, wedge):
@@ -97,7 +100,7 @@ def retaining_walls(scene, model):
     """Bodies that no guide holds, with sand on one side of them and hardly any on the other."""
     for body, place, _, depth in free_walls(scene, model, SAND):
         yield from _retained(scene, model.soil, body, place, depth.behind, "retains",
-                             "where it gives way, the pressure of the sand is")
+                             "where it gives way, the pressure of the sand")
 
 
 def free_walls(scene, model, laws):
@@ -108,8 +111,8 @@ def free_walls(scene, model, laws):
         return
     axis = int(np.flatnonzero(~soil.grid.collapsed)[0])
     for described, body in zip(scene.bodies, model.bodies):
-        if axis > 1 or not body.free[axis]:
-            continue
+        if axis > 1 or not body.free[axis] or any(control.points for control in body.stages):
+            continue        # a point that is held or moved guides it, whichever way it turns
         whole, place = outline(described, body, soil)
         for travel in np.eye(3)[axis], -np.eye(3)[axis]:
             depth = depths(scene, soil, place, travel, laws, away=True)
@@ -132,13 +135,15 @@ def footings(scene, model):
         if clay_under(scene, soil, bottom, width):
             continue        # the base is punched through the sand into it
         strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
-        excess = WEIGHT * (cell / width)**ORDER if strip else SQUARE * cell / width
+        left = max(width - 2.0 * arm, cell)         # what a load beside the middle stands on
+        excess = WEIGHT * (cell / left)**ORDER if strip else SQUARE * cell / left
         part = ", a part of its load at this depth," if bottom < top_of(soil) - BURIED * width else ""
         if excess > EXCESS and not covers(place, soil):
+            beside = f", less twice the {arm:.3g} m by which the load is beside its middle" if arm else ""
             less, below = "the difference", settles(by_force and strip, width / cell, arm)
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"
-            yield (f"{body.name} is pressed on sand with a base {width / cell:.2g} cells of {cell:.3g} m wide: what "
+            yield (f"{body.name} is pressed on sand with a base {left / cell:.2g} cells of {cell:.3g} m wide{beside}: what "
                    f"the sand's own weight lets it carry (N_γ){part} is about {excess:.0%} too high, more if the base is "
                    f"smooth{_rising(material)}, limit {EXCESS:.0%}{below}. Extrapolate two sizes of cells to "
                    f"none: load of cells half as large less {less}")
@@ -200,12 +205,23 @@ def _retained(scene, soil, body, place, depth, does, load):
     root = np.tan(np.pi / 4 - np.radians(material.friction_angle) / 2)      # √K_a
     weight, suction = 0.5 * root**2 * material.density * -scene.gravity[2], 2.0 * (material.cohesion or 0.0) * root
     whole, low = (max(weight * h - suction, 0.0) * h for h in (depth, max(depth - ACTIVE * cell, 0.0)))
-    if depth >= STEEP * cell and whole > 0.0 and low < (1.0 - EXCESS) * whole:
-        missing = 1.0 - low / whole
+    if depth < STEEP * cell or whole <= 0.0:
+        return
+    bands, missing = (material.dilation_angle or 0.0) < STEADY, 1.0 - low / whole
+    start = f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m"
+    if bands and depth > BANDS * cell:
+        yield (f"{start}, which dilates by less than {STEADY:g} degrees and localises in bands a cell wide: {load} rises "
+               "with the way, to 1.4 times Rankine's after a hundredth of the height, and more with smaller cells. Give it "
+               "a larger dilation_angle: with 8 degrees it is steady")
+    elif missing > EXCESS:
         least = (suction + np.sqrt(suction**2 + 4.0 * weight * (1.0 - EXCESS) * whole)) / (2.0 * weight)
-        yield (f"{body.name} {does} {depth:.3g} m of sand, {depth / cell:.2g} cells of {cell:.3g} m, whose lowest "
-               f"cells stay behind at its foot: {load} about {missing:.0%} too low, limit {EXCESS:.0%}, which is "
-               f"unsafe for a retaining wall. {smaller_cells((depth - least) / ACTIVE)}")
+        size = (depth - least) / ACTIVE
+        cure = smaller_cells(size)
+        if bands and depth > BANDS * size:
+            cure = (f"Use {BANDS:g} cells in that height at most: in smaller ones sand that dilates by less than {STEADY:g} "
+                    "degrees localises, and the load rises with the way")
+        yield (f"{start}, whose lowest cells stay behind at its foot: {load} is {'up to' if bands else 'about'} "
+               f"{missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. {cure}")
 
 
 def depths(scene, soil, place, travel, laws, spaces=(1,), away=False):
