@@ -70,6 +70,7 @@ def _remedy(view, touched):
         changes.append("a driven velocity that grows, [[0, 0], [T, v]], where joined bodies are set in motion at once")
     if not view.scheme.damps:
         changes.append("the default time.scheme, which damps")
+    moving = ["bodies"] * bool(view.model.bodies) + ["soil"] * (not view.model.soil.held)
     cause = ("Contact opens and closes faster than the time step resolves" if touched else
-             f"The time step does not resolve the motion of the {'bodies' if view.model.bodies else 'soil'}")
+             f"The time step does not resolve the motion of the {' or the '.join(moving)}")
     return f"{cause}; use {', '.join(changes[:-1])}, or {changes[-1]}"

@@ -32,6 +32,8 @@ STEADY = 0.01       # of the kinetic energy: change of the balance in one of the
 LATER = 0.2         # of the largest energy of motion so far: a body with less is still being braked by elastic soil
 ROUND_OFF = 1e-9    # of the largest rate of a body
 SURE = 2 * LOST     # of the kinetic energy, where a run ends: some of what is missing may still come back
+WAVES = (" or cells too coarse for waves in the soil. Use a smaller time.step, ten in the time for which they touch, and "
+         "then smaller cells")
 SHORTER = ", whose time `check` shows. Use a smaller time.step, a tenth of that keeps 96 %"
 
 
@@ -95,6 +97,7 @@ class BodyImpact(ImpactLoss):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._limit = LOST      # since bodies came near
+        self._on_soil = False   # whether a body has touched soil that deforms, whose waves go on while it is in the air
         if state is not None and _free(model.bodies):
             self._kinetic -= of_all_together(model.bodies, state.bodies)
 
@@ -109,13 +112,15 @@ class BodyImpact(ImpactLoss):
             return
         loss, found = self.follow(view)
         on_soil = view.touches_soil
-        self._limit = ON_SOIL if on_soil else self._limit
+        self._on_soil |= on_soil and not view.model.soil.held
+        self._limit = ON_SOIL if on_soil or self._on_soil else self._limit
         self._hit |= view.bodies_in_contact    # on soil, where bodies that stand near one another lose energy to it
         found = found and loss > self._limit * self._largest and (self._hit or self._limit < ON_SOIL)
         found = found and self._largest > least_energy(view.model)      # of bodies that are laid on one another
         on_ground = on_soil and view.model.soil.held
         if found:
-            yield "impact", self.text(view, loss, "impact of bodies", SHORTER, self._limit)
+            cure = WAVES if self._on_soil and not view.model.soil.law.plastic else SHORTER
+            yield "impact", self.text(view, loss, "impact of bodies", cure, self._limit)
         gained = not on_soil and self._hit and self._quiet >= QUIET and -loss > LOST * (self._largest + loss) > 0.0
         if gained:
             yield "gain", (f"impact of bodies: {-loss:.3g} J were added to the {self._largest + loss:.3g} J of their motion "
@@ -173,9 +178,7 @@ class GroundImpact(ImpactLoss):
         if self._hit:
             return "bodies", self.text(view, loss, "impact of bodies with one another on held ground", SHORTER)
         if not view.model.soil.held:
-            return "ground", self.text(
-                view, loss, "impact on elastic soil", " or cells too coarse for its waves. Use a smaller time.step, ten in "
-                "the time for which they touch, and then smaller cells", ON_SOIL)
+            return "ground", self.text(view, loss, "impact on elastic soil", WAVES, ON_SOIL)
         return "ground", self.text(view, loss, "impact on held ground",
                                    ". Use a smaller time.step, ten in the time for which they touch keep 96 %")
 

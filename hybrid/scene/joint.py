@@ -37,8 +37,8 @@ class Joint:
         "smallest and largest angle of a hinge, at which it stops without rebound: rotation of the first body about the "
         "axis relative to the second one, 0 at the start", "deg", default=None, at_least=-170, at_most=170,
         remedy="leave it out for a hinge that turns freely")
-    friction_moment: float = key("moment of a hinge that resists its rotation", "N m", default=0.0, at_least=0,
-                                 remedy="0 is a hinge without friction")
+    friction_moment: float = key("moment of a hinge that resists its rotation; of half bodies that on the half", "N m",
+                                 default=0.0, at_least=0, remedy="0 is a hinge without friction")
 
 
 @table

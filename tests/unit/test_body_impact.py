@@ -24,7 +24,8 @@ def notes(errors, in_contact=(), near=(), touching=0, pairs=1, accuracy=None, mo
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)), free=np.array([True, *[free] * 5]),
                            radius=0.5)
     motions = [moving(speed + along, 0.0, 0.0) for speed in (10.0, 0.0)]
-    model = SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held),
+    law = SimpleNamespace(plastic=False)
+    model = SimpleNamespace(bodies=(body, body), pairs=(None,) * pairs, soil=SimpleNamespace(held=held, law=law),
                             gravity=np.array([0.0, 0.0, -gravity]))
     known = (model, SimpleNamespace(bodies=motions)) if begun else (None, None)
     monitor, found = monitor or BodyImpact(*known), []
@@ -47,6 +48,15 @@ def test_an_impact_within_a_step_or_over_some_is_reported_once():
         assert "13 J of the 100 J" in text and "(13%, limit 12%)" in text and "smaller time.step" in text
         assert "time.accuracy = 1e-4" in text
     assert "a smaller time.accuracy" in notes([0.0, 0.0, *AFTER], near=(0, 1, 2), accuracy=1e-6)[0]
+
+
+def test_after_soil_has_been_touched_waves_in_it_go_on_while_bodies_are_in_the_air():
+    """A ram that hits a cap again as both have left the soil: judged as on it, and coarse cells may be the cause."""
+    monitor = BodyImpact(None, None)
+    assert notes([0.0] * 3, touching=1, monitor=monitor) == []
+    assert notes([0.0, -4.0, *AFTER], in_contact=(1,), monitor=monitor) == []
+    text, = notes([-13.0, -30.0, *[-50.0] * 8], in_contact=(1,), monitor=monitor)
+    assert "limit 30%" in text and "cells too coarse for waves in the soil" in text
 
 
 @pytest.mark.parametrize("along", [0.0, 3.0, 1e3])

@@ -20,7 +20,7 @@ def balance(errors, stored=100.0, bodies=(), inertia=True, damps=False, accuracy
     """Notes of steps with these errors [J] of the balance."""
     heavy = SimpleNamespace(mass=SimpleNamespace(mass=weight / 10.0))
     monitor = EnergyBalance(model((heavy,), 10.0), None)
-    view = {"model": SimpleNamespace(bodies=bodies, joints=joints),
+    view = {"model": SimpleNamespace(bodies=bodies, joints=joints, soil=SimpleNamespace(held=False)),
             "scheme": SimpleNamespace(inertia=inertia, damps=damps, first_order=damps),
             "report": SimpleNamespace(error=accuracy, evaluation=SimpleNamespace(
                 pairs=SimpleNamespace(energy=pressed), contacts=Contacts(touches) if bodies else []))}
@@ -82,12 +82,13 @@ def test_a_first_step_that_holds_the_impact_loses_no_more_than_all():
     body = SimpleNamespace(mass=SimpleNamespace(mass=2.0, inertia=np.eye(3)))
     motion = SimpleNamespace(velocity=np.array([0.0, 0.0, -10.0]), spin=np.zeros(3), rotation=np.eye(3))
     monitor = EnergyBalance(model((body,)), SimpleNamespace(bodies=(motion,)))
-    view = StepView(SimpleNamespace(bodies=(body,), joints=()), SimpleNamespace(time=0.1),
+    described = SimpleNamespace(bodies=(body,), joints=(), soil=SimpleNamespace(held=True))
+    view = StepView(described, SimpleNamespace(time=0.1),
                     SimpleNamespace(inertia=True, damps=True, first_order=False),
                     SimpleNamespace(error=None, evaluation=SimpleNamespace(pairs=None, contacts=[])),
                     {"kinetic": 1.0, "elastic": 0.0, "contact": 0.0, "error": -60.0})
     text, = monitor.notes(view)
-    assert "loss of 60 J" in text and "(100% of" in text
+    assert "loss of 60 J" in text and "(100% of" in text and "the motion of the bodies; use" in text
 
 
 def test_a_gain_and_a_loss_are_reported_once_each():

@@ -162,8 +162,9 @@ def test_a_wall_that_moves_away_from_sand_is_told_that_its_load_is_too_low():
 
 
 @pytest.mark.parametrize("size, dilation, words", [
-    (0.4, 8.0, "is about 55% too low.*Use cells of at most 0.062 m"),
-    (0.05, 8.0, None), (0.05, 0.0, "localises in bands a cell wide: its load rises with the way, to 1.4 times"),
+    (0.4, 30.0, "is about 55% too low.*Use cells of at most 0.062 m"),
+    (0.4, 8.0, "is up to 55% too low"), (0.05, 8.0, None),
+    (0.05, 0.0, "localises in bands a cell wide: its load rises with the way, to 1.4 times"),
     (0.1, 0.0, "is up to 16% too low")])
 def test_fine_cells_let_sand_that_does_not_dilate_localise(size, dilation, words):
     described = retaining("mohr-coulomb", size=size, **AWAY)

@@ -91,8 +91,9 @@ def test_what_stands_above_the_clay_bears_nothing():
 
 
 def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.5, loads=(), stage_held=(),
-         sand=False, stiffening=False, **table):
-    """Texts about a box of 1 m by 1 m by 2 m whose base is at a `depth` [m], turned about y by so many radians a step."""
+         sand=False, stiffening=False, lower=None, **table):
+    """Texts about a box of 1 m by 1 m by 2 m whose base is at a `depth` [m], turned about y by so many radians a step;
+    lower: height of the foot of the soil [m], where that is above the base of the grid."""
     values = {"length": 1.0, "width": 1.0, "height": 2.0, "size": 2.0}
     table = {"driven": ("ry",), "held": ("x", "y", "z", "rx", "rz"), "spin": (0.0, spin, 0.0)} | table
     made = body("box.geo", values, position=(0.0, 0.0, 1.0 - depth), **table)
@@ -104,7 +105,8 @@ def over(depth=0.0, space=False, size=0.125, law="von-mises", spin=0.01, foot=2.
     if sand:
         material = Material(law="mohr-coulomb", young=2e7, poisson=0.3, density=1700.0, friction_angle=33.0,
                             dilation_angle=0.0, cohesion=100.0)
-    described = scene("over", grid, Soil(material, top=0.0, geostatic=stiffening), [made], clay.Time(1.0, inertia=False), 4,
+    soil = Soil(material, top=0.0, geostatic=stiffening, lower=lower and (-1.5, -0.5, lower))
+    described = scene("over", grid, soil, [made], clay.Time(1.0, inertia=False), 4,
                       (0.0, 0.0, -9.81) if stiffening else WEIGHTLESS)
     simulation = build(replace(described, stages=(replace(described.stages[0], loads=loads, held=stage_held),)))
     return list(turning.turned_over(simulation.scene, simulation.model))
@@ -141,6 +143,7 @@ def test_what_is_not_turned_over_in_soil_that_flows_has_no_text():
     assert not over(loads=(Load(moment=((0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 4e4, 0.0))),), **free, stage_held=("ry",))
     assert not over(depth=1.5, foot=1.5)        # a wall beside all of the soil
     assert not over(depth=-1.0)                 # in the air
+    assert not over(depth=1.0, lower=-0.5) and over(depth=0.25, lower=-0.5)     # a tray that carries the soil
     assert not over(depth=1.5, space=True)      # `turned` has one
 
 

@@ -229,6 +229,16 @@ def test_a_body_that_only_a_stage_brings_to_the_soil_has_its_place_looked_at(sta
     assert len(found) == noted and all("cube lies beside the grid" in note for note in found), found
 
 
+@pytest.mark.parametrize("x, noted", [(1.0, 0), (1.5, 1)])
+def test_a_body_may_stand_on_another_one_high_above_the_soil(x, noted):
+    tower = replace(box(0.2, 0.2, 0.2, name="tower"), position=(1.0, 1.0, 0.0), rest_on=0.0,
+                    parameters={"length": 0.4, "width": 0.4, "height": 8.0, "size": 5.0})
+    cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(x, 1.0, 0.0), rest_on=8.0)
+    simulation = build(soil_scene([tower, cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01)))
+    found = [note for note in odd_places(simulation.scene, simulation.model) if "millimetres" in note]
+    assert len(found) == noted
+
+
 def test_a_body_on_a_joint_may_hang_high_above_the_soil():
     cube = replace(box(0.2, 0.2, 0.2, name="cube"), position=(1.0, 1.0, 0.0), rest_on=500.0)
     described = soil_scene([cube], x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid.body.paths import path_along
-from hybrid.monitors.limits.start import initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_vertices, stands_on, top_of
 from hybrid.scene.body import out_of_plane
 from hybrid.soil.points import extent
 
@@ -25,8 +25,11 @@ def odd_places(scene, model):
         if not _meets(scene, described):        # a body in empty space is meant
             continue
         place = initial_vertices(described, body, body.outline)     # rounded edges may reach beyond a cut face
+        carried = body.name in scene.joined or any(
+            other is not body and stands_on(place, initial_vertices(below, other, other.outline))
+            for below, other in zip(scene.bodies, model.bodies))
         text = (_scaled(described, np.ptp(place, axis=0).max(), model.soil.grid.smallest_cell)
-                or _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid, body.name in scene.joined)
+                or _place(model.soil, place.min(axis=0), place.max(axis=0), scene.grid, carried)
                 or _crossing(model.soil, body, place, scene.grid))
         if text:
             yield f"{body.name} {text}"
@@ -103,9 +106,9 @@ def _meets(scene, described):
             or any(each.body in (None, described.name) for each in of_stages))
 
 
-def _place(soil, low, high, grid, joined):
-    """What looks wrong about a body between `low` and `high` (3,) [m], of which one that is `joined` may hang high above the
-    soil; None if nothing does."""
+def _place(soil, low, high, grid, carried):
+    """What looks wrong about a body between `low` and `high` (3,) [m], of which one that is `carried` by another or a joint
+    may be high above the soil; None if nothing does."""
     extent = np.array([(axis.start, axis.end) for axis in grid.axes])       # where the grid may move to; `outside_window`
     size, middle = high - low, 0.5 * (low + high)
     axes = [(i, name) for i, name in enumerate("xyz") if not soil.grid.collapsed[i]]
@@ -123,7 +126,7 @@ def _place(soil, low, high, grid, joined):
     if high[2] <= extent[2, 0]:
         return (f"lies below the grid, up to z = {high[2]:.4g} m, where the grid starts at {extent[2, 0]:.4g} m: z "
                 "points up. Check body.position")
-    if not joined and gap > HIGH * size.max() and gap > DEEPER * (extent[2, 1] - extent[2, 0]):
+    if not carried and gap > HIGH * size.max() and gap > DEEPER * (extent[2, 1] - extent[2, 0]):
         return (f"starts {gap:.4g} m above the soil, {gap / size.max():.3g} times its size: is body.position in "
                 "millimetres? body.rest_on puts it at a height")
     for i, name in axes:

@@ -27,7 +27,7 @@ from hybrid.runtime.comm import maximum, minimum
 FOOT, ACTIVE = 2.3, 1.65
 # Smooth wall, 2 m of sand, φ = 33°, after 1 and 20 mm, over Rankine's: ψ = 0: 0.88, 0.84 with 8 cells, 0.98, 0.97 with 16,
 # 0.90, 0.95 with 20, 1.05, 1.37 with 32, 1.02, 1.31 with 40; ψ = 8°: 0.98, 0.98 with 32
-STEADY, BANDS = 4.0, 22.0       # degrees of ψ; cells in the height
+STEADY, BANDS, DILATES = 4.0, 22.0, 0.8     # degrees of ψ; cells in the height; share of φ in ψ with which the law fits
 # Degrees from the ground of a face that is judged as a wall, and below which the message has what inclined ones measured.
 INCLINED, LEANING = 45.0, 85.0
 WEIGHT, ORDER = 3.1, 0.6         # of the part of a footing's load that the sand's weight carries
@@ -220,7 +220,8 @@ def _retained(scene, soil, body, place, depth, does, load):
         if bands and depth > BANDS * size:
             cure = (f"Use {BANDS:g} cells in that height at most: in smaller ones sand that dilates by less than {STEADY:g} "
                     "degrees localises, and the load rises with the way")
-        yield (f"{start}, whose lowest cells stay behind at its foot: {load} is {'up to' if bands else 'about'} "
+        how = "about" if (material.dilation_angle or 0.0) > DILATES * material.friction_angle else "up to"
+        yield (f"{start}, whose lowest cells stay behind at its foot: {load} is {how} "
                f"{missing:.0%} too low, limit {EXCESS:.0%}, which is unsafe for a retaining wall. {cure}")
 
 

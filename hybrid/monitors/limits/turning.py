@@ -31,6 +31,7 @@ from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import faces
 from hybrid.monitors.limits.stages import displacement_per_step
 from hybrid.monitors.limits.start import outline, top_of
+from hybrid.soil.points import extent
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
 BLADES = 0.1                    # share of its surface with which a body pushes soil as it turns; of a round one 0
@@ -75,7 +76,8 @@ def turned_over(scene, model):
         whole, place = outline(described, body, soil)
         top, bottom = top_of(soil), place[:, 2].min()
         cell, base = soil.grid.resolution, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.resolution]
-        if not soil.grid.extent[2, 0] + cell < bottom < top + cell:     # over soil, not beside all of it
+        above_base = bottom > max(soil.grid.extent[2, 0] + cell, extent(soil.constants, 2)[0] - ON_LINE * cell)
+        if not above_base or bottom >= top + cell:      # beside all of the soil, or under it, as a tray that carries it
             continue
         material, deep = material_at(scene, soil, bottom - 0.5 * cell), not collapsed.any() and top - bottom > cell
         if material.law not in {CLAY, *SAND} or deep and material.law == CLAY:
