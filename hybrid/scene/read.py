@@ -220,6 +220,9 @@ def _wrong(path, value, hint):
 def _form(value, hint):
     """What helps to write the list that `hint` asks for instead of `value`; "" where nothing more is known."""
     items = get_args(hint)
+    rows = [each for each in items if get_origin(each) is tuple and get_args(each)[0] == tuple[float, float]]
+    if rows and isinstance(value, (int, float)):
+        return f"; write rows, such as [[0, 0], [10, {clipped(value)}]]"
     if get_origin(hint) is not tuple:
         return ""
     if isinstance(value, (list, tuple)):

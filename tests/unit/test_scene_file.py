@@ -111,6 +111,7 @@ def test_unknown_names_come_with_the_nearest_and_the_list(path, override, words)
     ("stage=3", ["a list of tables"]),
     ("time=[]", ["a table"]),
     ("time.step=2024-01-01", ["a number"]),
+    ("soil.ground=0.1", ["soil.ground = 0.1: expected a list of lists", "write rows, such as [[0, 0], [10, 0.1]]"]),
 ])
 def test_wrong_types_name_key_value_and_what_was_expected(path, override, words):
     message = refused(path, override)
