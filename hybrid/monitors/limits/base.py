@@ -14,7 +14,9 @@ it; and on rock of 1 GPa, which does not yield, and clay of 10, 4, 2 times the s
 | 10, 4, 2 s_u        |        | 1.51, 1.28, 1.18 | | |    | 1.03, 1.02 |  |      |
 
 In c-φ soil (25°, 8 kPa) on such rock 4.0, 1.7, 1.2, 1.1 times Rankine's force with the foot 0, 0.2, 0.5, 1 cells above it,
-after 0.02 of its height. A pipe of 8 cells on rock, pushed through clay: 5 times.
+after 0.02 of its height. Into sand, φ = ψ = 25°, 8 cells, with the foot on the base, 1.4, 3.1, 6.1 times Coulomb's upright
+and with backs at ±15° after 0.004 of the height, 2.4, 4.0, 9.5 after 0.016. A pipe of 8 cells on rock, pushed through clay:
+5 times.
 
 A strip that presses a thin layer of clay on a harder one squeezes it out sideways: rough, B/4 over clay of four times the
 strength, 18, 8.5, 5 % over 6.43 s_u (Meyerhof & Chaplin 1953) with 2, 4, 8 cells in the layer, 1 + 0.36/n. Pressed by a
@@ -112,7 +114,7 @@ def _text(body, base, foot, cell):
     return (f"{body} can move sideways with its foot {where} the {base}, limit {CLEAR:g} cells, {CLEAR * cell:.2g} m, above "
             "it: nodes there hardly move, so that the soil of the lowest row cannot give way, and the force grows with the "
             "distance moved (a wall pushed into clay: 47 % too large with its foot on the base, after 0.014 of its "
-            f"height; 3 % with the foot a cell above; into c-φ soil on rock 4 times). {remedy}")
+            f"height; 3 % with the foot a cell above; into c-φ soil on rock 4 times, into sand 2 to 10 times). {remedy}")
 
 
 def _pushes(scene, described, body, place, soil, base):
