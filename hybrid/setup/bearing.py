@@ -34,19 +34,34 @@ def stands_on(rest_on, soil, gravity):
     return abs(rest_on - extent(soil.constants, 2)[1]) <= FLUSH * soil.grid.smallest_cell
 
 
-def carried_by(number, placed, joints):
-    """Those of the `placed` (RigidBody, BodyState) that joints connect with the one of this `number`, over any number of
-    others, or that are above it, over it."""
-    found = {number}
-    pairs = [set(joint.bodies) - {None} for joint in joints]
+def carried_by_each(placed, joints, soil):
+    """[[(RigidBody, BodyState, share [-])]] of the bodies that each of the `placed` (RigidBody, BodyState) carries: those
+    that are above it, over it, and may come down, and those that joints connect with it, over any number of others. Bodies
+    that reach down to the soil carry what is on them alone, and share what several of them carry."""
+    boxes = [_box(*each) for each in placed]
+    top = extent(soil.constants, 2)[1] + FLUSH * soil.grid.smallest_cell
+    feet = {number for number, (low, _) in enumerate(boxes) if low[2] <= top}
+    carried = [_connected(number, joints) | _above(number, placed, boxes) for number in range(len(placed))]
+    feet_under = [sum(other in carried[foot] for foot in feet) for other in range(len(placed))]
+    return [[(*placed[other], 1.0 / max(feet_under[other], 1)) for other in sorted(found - feet - {number})]
+            for number, found in enumerate(carried)]
+
+
+def _connected(number, joints):
+    """Numbers of the bodies that joints connect with one, and its own."""
+    found, pairs = {number}, [set(joint.bodies) - {None} for joint in joints]
     for _ in pairs:
         for pair in pairs:
             found |= pair if found & pair else set()
-    low, high = _box(*placed[number])
-    for other, (start, end) in enumerate(_box(*each) for each in placed):
-        if start[2] > high[2] - FLUSH * (high[2] - low[2]) and (start < high)[:2].all() and (end > low)[:2].all():
-            found.add(other)
-    return [placed[other] for other in sorted(found - {number})]
+    return found
+
+
+def _above(number, placed, boxes):
+    """Numbers of the bodies that are above one, over it, and free to come down."""
+    low, high = boxes[number]
+    least = high[2] - FLUSH * (high[2] - low[2])
+    return {other for other, (start, end) in enumerate(boxes)
+            if placed[other][0].free[2] and start[2] > least and (start < high)[:2].all() and (end > low)[:2].all()}
 
 
 def _box(body, motion):
@@ -57,14 +72,14 @@ def _box(body, motion):
 
 def bears(body, motion, soil, gravity, stands=False, carried=()):
     """Whether the cohesion of soil that can yield bears the forces of all stages and the weight of a body with a plane base,
-    at its initial BodyState, and of those `carried` by it, without flowing: friction bears more. stands: whether nothing but
-    its weight presses one without such forces."""
-    rotation, every = motion.rotation, [(body, motion), *carried]
+    at its initial BodyState, and of its share of those `carried` by it, without flowing: friction bears more. stands:
+    whether nothing but its weight presses one without such forces."""
+    rotation, every = motion.rotation, [(body, motion, 1.0), *carried]
     base = motion.position - (0.0, 0.0, body.outline.extent(-rotation[2]))
     stages = []
     if any(control.loads for control in body.stages):
-        stages = [[_largest_of(load, place, base) for control, place in controls for load in control.loads] or [NOTHING]
-                  for controls in _by_stage(every)]
+        stages = [[_largest_of(load, place, base, share) for control, place, share in controls for load in control.loads]
+                  or [NOTHING] for controls in _by_stage(every)]
     elif stands and body.free[2]:
         stages = [[NOTHING]]
     filled = base_share(body.outline, rotation) if stages else 0.0
@@ -76,9 +91,10 @@ def bears(body, motion, soil, gravity, stands=False, carried=()):
     width = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), level)[:2]
     most = USED * minimum(soil.law.shear_strength(0.0), np.inf) * part * filled * width.prod()
     down, along, moment = np.max([np.sum(loads, axis=0) for loads in stages], axis=0)
-    weights = np.array([each.mass.mass for each, _ in every]) * np.linalg.norm(gravity)
-    down += weights.sum()
-    moment += sum(weight * np.linalg.norm((place.position - base)[:2]) for weight, (_, place) in zip(weights, every))
+    for each, place, share in every:
+        weight = share * each.mass.mass * np.linalg.norm(gravity)
+        down += weight
+        moment += weight * np.linalg.norm((place.position - base)[:2]) * (share == 1.0)
     narrow = width[~soil.grid.collapsed[:2]].min(initial=np.inf)
     if along >= most or moment >= TIPPED * most * narrow:
         return False
@@ -105,15 +121,16 @@ def base_share(surface, rotation):
 
 
 def _by_stage(every):
-    """[[(StageControl, BodyState) of each body that one changes] of each stage] of (RigidBody, BodyState)."""
-    changed = [[(control, motion) for control in body.stages] for body, motion in every if body.stages]
+    """[[(StageControl, BodyState, share) of each body that one changes] of each stage] of bodies with their shares."""
+    changed = [[(control, motion, share) for control in body.stages] for body, motion, share in every if body.stages]
     return [list(controls) for controls in zip(*changed)]
 
 
-def _largest_of(load, motion, base):
-    """Largest force along z and across it [N], and moment across z about the `base` (3,) [m], of a PointLoad on a body
-    at its BodyState."""
+def _largest_of(load, motion, base, share):
+    """Share of the largest force along z and across it [N], and of the moment across z about the `base` (3,) [m], of a
+    PointLoad on a body at its BodyState; none of a moment that several share: how, the soil decides."""
     force, moment = (np.zeros((1, 3)) if table is None else table.values for table in (load.force, load.moment))
     arm = np.cross(motion.position + motion.rotation @ load.point - base, force)
     across = np.linalg.norm(arm[:, :2], axis=1).max() + np.linalg.norm(moment[:, :2], axis=1).max()
-    return np.abs(force[:, 2]).max(), np.linalg.norm(force[:, :2], axis=1).max(), across
+    return (share * np.abs(force[:, 2]).max(), share * np.linalg.norm(force[:, :2], axis=1).max(),
+            across * (share == 1.0))

@@ -14,7 +14,7 @@ from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup import on_ground
-from hybrid.setup.bearing import carried_by
+from hybrid.setup.bearing import carried_by_each
 from hybrid.setup.bodies import build_body, mesh_of, refuse_outside
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
@@ -89,8 +89,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     grid, moving_grid, layouts = build_grid(scene, placed)
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
-    bodies = [_connected(*one, soil, gravity, len(placed) == 1, carried_by(number, placed, joints))
-              for number, one in enumerate(zip(scene.bodies, meshes, mirrors, placed))]
+    parts = [(in_part(body, planes), motion) for (body, motion), planes in zip(placed, mirrors)]
+    bodies = [_connected(*one, soil, gravity, alone=len(placed) == 1)
+              for one in zip(scene.bodies, meshes, mirrors, placed, carried_by_each(parts, joints, soil))]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     removed_soil = []
     if any(inside):
@@ -116,9 +117,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
                       _start(removed_soil, settled, bodies, carried_grid))
 
 
-def _connected(described, mesh, mirrors, placed, soil, gravity, alone, carried):
+def _connected(described, mesh, mirrors, placed, carried, soil, gravity, alone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState);
-    alone, carried: as in `connect_to_soil`."""
+    carried, alone: as in `connect_to_soil`."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
     connected = connect_to_soil(described, body, motion, soil, gravity, alone, carried)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],

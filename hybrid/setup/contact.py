@@ -39,7 +39,7 @@ FLUSH = 1e-3            # of a cell, between an edge and the end of the soil at 
 
 def connect_to_soil(described, body, motion, soil, gravity, alone, carried=()):
     """The body, at its BodyState at the start, with all of its contact that follows from `soil`; gravity (3,) [m/s²];
-    alone: whether there is no other body; carried: (RigidBody, BodyState) of those whose loads it may bear. Raises
+    alone: whether there is no other body; carried: (RigidBody, BodyState, share) of those whose loads it bears. Raises
     SceneError."""
     rotation = motion.rotation
     body = in_slice(body, soil.grid, rotation)

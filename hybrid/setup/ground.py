@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid.soil.given_ground import SLIVER
 from hybrid.contact.search import distances
 from hybrid.scene.ground import heights, heights_at, mean_heights
 from hybrid.scene.soil import ends

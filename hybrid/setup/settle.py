@@ -2,7 +2,8 @@
 level.
 
 Quasi-static steps under the loads of the start find the equilibrium before the first stage begins: the first one takes
-nearly all, the others what is out of balance after the points have moved. Bodies are held, pull lines are slack; then
+nearly all, the others what is out of balance after the points have moved. Where Newton's method fails near the geostatic
+stress, as on some stable slopes of sand with ψ < φ, gravity grows from none instead. Bodies are held, pull lines are slack; then
 time, velocities and work are zero again, and stress, contact and the places of points stay.
 """
 
@@ -15,21 +16,26 @@ from hybrid.monitors.initial_equilibrium import initial_imbalance
 from hybrid.runtime.comm import anywhere, maximum
 from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scheme import Scheme
+from hybrid.soil.points import at_rest
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
 from hybrid.step.workspace import Workspace
 
 SMALLEST = 1 / 64   # of a step: shortest increment that is tried
+# The same near the geostatic stress: what is out of balance there acts in any increment, and only backtracking is new
+FIRST = 1 / 4
+GROWS, SLIDES = 20, 0.05    # increments in which gravity grows; plastic strain of soil that slides as it does
 BALANCED = 1e-3     # of the weight: imbalance from which another step is taken,
 MOST = 4            # of so many
 
 
 @dataclass(frozen=True)
 class Settled:
-    """Result of settling: before, InitialImbalance; moved, largest displacement of a point [m]; plastic, largest growth of
-    plastic strain [-]; held, {name: (3,) [N]} force that holds each body."""
+    """Result of settling: before, InitialImbalance; in_steps, whether gravity grew from none; moved, largest displacement
+    of a point [m]; plastic, largest growth of plastic strain [-]; held, {name: (3,) [N]} force that holds each body."""
 
     before: object
+    in_steps: bool
     moved: float
     plastic: float
     held: dict
@@ -37,8 +43,9 @@ class Settled:
     def __str__(self):
         held = "".join(f"; {name} held with ({', '.join(f'{x + 0.0:.4g}' for x in force)}) N"
                        for name, force in self.held.items())
-        return (f"quasi-static, from {100 * self.before.share:.2g} % of the weight out of balance: points move by up to "
-                f"{self.moved:.2g} m, plastic strain up to {self.plastic:.2g}{held}")
+        how = (f"from {100 * self.before.share:.2g} % of the weight out of balance" if not self.in_steps else
+               "under gravity that grows from none, as no equilibrium was found near the geostatic stress")
+        return (f"quasi-static, {how}: points move by up to {self.moved:.2g} m, plastic strain up to {self.plastic:.2g}{held}")
 
 
 def settle(model, state, length):
@@ -56,14 +63,7 @@ def settle(model, state, length):
     workspace = Workspace(still)
     try:
         before = _imbalance(still, begun, length, workspace)
-        found = still.begin_stage(begun)
-        for _ in range(MOST):
-            found, report = outer_step(still, workspace, found, length, False, Control(length, SMALLEST * length))
-            if report.soil is not still.soil:
-                still, soil = still.with_soil(report.soil), report.soil
-                model = model.with_soil(replace(model.soil, grid=soil.grid, constants=soil.constants, law=soil.law))
-            if _imbalance(still, found, length, workspace).share < BALANCED:
-                break
+        found, report, still, model, in_steps = _equilibrium(still, model, begun, length, workspace)
     except StepError as error:
         retained = (" Sand that a body holds back begins without pressure beside it, where it has no strength: give "
                     "it some cohesion. Beside walls of 2 to 2.5 m 2 kPa was enough, also without inertia."
@@ -77,7 +77,7 @@ def settle(model, state, length):
     held = {body.name: -terms.contact.resultant[:3] - body.mass.mass * model.loads.on_bodies(0.0)
             for body, terms in zip(model.bodies, report.evaluation.bodies)}
     new = found.points      # of which other processes may have had some at the start
-    settled = Settled(before, maximum(np.linalg.norm(new.position - model.soil.constants.position, axis=1)),
+    settled = Settled(before, in_steps, maximum(np.linalg.norm(new.position - model.soil.constants.position, axis=1)),
                       maximum(new.plastic_strain), held)
     points = replace(new, velocity=np.zeros_like(new.velocity), acceleration=np.zeros_like(new.acceleration),
                      algorithmic=None, affine=None)
@@ -86,6 +86,44 @@ def settle(model, state, length):
         bodies = [replace(body, acceleration=np.zeros(3), spin_rate=np.zeros(3), reaction=now.reaction)
                   for body, now in zip(state.bodies, found.bodies)]
     return model, replace(state, points=points, bodies=bodies, contacts=found.contacts, ground=found.ground), settled
+
+
+def _equilibrium(still, model, begun, length, workspace):
+    """(State in equilibrium, Report, both models with the soil that they then have, whether gravity grew from none): from
+    the geostatic stress, and where Newton's method fails there from none, by which soil may find another equilibrium, as
+    its stress at rest then is that of its law. Raises StepError."""
+    try:
+        return *_settled(still, model, still.begin_stage(begun), length, length, FIRST, workspace), False
+    except StepError as error:
+        if still.soil.law.parameters is None:
+            raise
+        stress = np.zeros((len(begun.points.position), 3))
+        bare = at_rest(still.soil.constants, stress, still.soil.law.strain(stress))
+        growing = replace(still, loads=still.loads.during(0.0, length, (0.0, 1.0)))
+        try:
+            found = growing.begin_stage(replace(begun, points=bare))
+            found, _, growing, model = _settled(growing, model, found, length, length / GROWS, SMALLEST, workspace, 1)
+            still = replace(still, soil=growing.soil)
+            found, report, still, model = _settled(still, model, found, length, length, SMALLEST, workspace)
+        except StepError:
+            raise error from None
+        if maximum(found.points.plastic_strain) > SLIDES:
+            raise error
+        return found, report, still, model, True
+
+
+def _settled(still, model, found, length, dt, smallest, workspace, most=MOST):
+    """(State after up to `most` steps of a `length` [s] in increments of `dt` [s], at least its share `smallest`, Report,
+    both models)."""
+    for _ in range(most):
+        found, report = outer_step(still, workspace, found, length, False, Control(dt, smallest * dt))
+        if report.soil is not still.soil:
+            soil = report.soil
+            still = still.with_soil(soil)
+            model = model.with_soil(replace(model.soil, grid=soil.grid, constants=soil.constants, law=soil.law))
+        if most > 1 and _imbalance(still, found, length, workspace).share < BALANCED:
+            break
+    return found, report, still, model
 
 
 def _imbalance(model, state, length, workspace):

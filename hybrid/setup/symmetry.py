@@ -58,18 +58,26 @@ def mirrors_of(scene, described, mesh):
                 continue
             cut = len(cap) > 0 and np.abs(cap[:, a] - at).max() < IN_PLANE * size
             across = (not len(cap) and not covers and low < at < high and abs(0.5 * (low + high) - at) < MIDDLE * size
-                      and _is_symmetric(points, mesh.tets, a, at))
+                      and _is_symmetric(points, mesh, described.density, a, at))
             if (cut or across) and _soil_reaches(scene, a, at) and (cut or not moved(scene, described, out_of_plane(name))):
                 yield Mirror(name, at, cut)
 
 
-def _is_symmetric(points, tets, a, at):
-    """Whether the moments of volume that are zero by symmetry about the plane at `at` [m] of coordinate `a` are at most
-    UNLIKE beside those of the body's own size: a block turned about an axis in the plane has its middle there too."""
-    whole = moments(points, tets)
+def _is_symmetric(points, mesh, density, a, at):
+    """Whether the moments of mass that are zero by symmetry about the plane at `at` [m] of coordinate `a` are at most UNLIKE
+    beside those of the body's own size: a block turned about an axis in the plane has its middle there too. points: (n, 3)
+    [m] of its TetMesh in space; density: [kg/m³], or that of each of its volumes."""
+    of_tets = np.ones(len(mesh.tets))
+    if isinstance(density, dict):
+        of_tets = np.array([density[name] for name in mesh.regions], float)[mesh.region]
+
+    def weighted(places):
+        return sum(value * moments(places, mesh.tets[of_tets == value]) for value in np.unique(of_tets))
+
+    whole = weighted(points)
     origin = whole[0, 1:] / whole[0, 0]
     origin[a] = at
-    whole, side = moments(points - origin, tets), 1 + a
+    whole, side = weighted(points - origin), 1 + a
     size = np.sqrt(np.diag(whole) * whole[side, side])
     return (np.abs(np.delete(whole[side] / size, side)) < UNLIKE).all()
 

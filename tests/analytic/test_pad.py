@@ -115,6 +115,24 @@ def test_loads_of_bodies_that_it_carries_count_as_its_own(above, joints, x, load
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
 
 
+@pytest.mark.parametrize("held, pads, density, expected", [
+    ((), 1, 4000.0, 20), (("x", "y", "z", "rx", "ry", "rz"), 1, 4000.0, 500), ((), 2, 4000.0, 500), ((), 2, 8000.0, 20)])
+def test_several_pads_share_a_deck_and_none_bears_what_is_held(held, pads, density, expected):
+    """A quarter of 1 m² that bears 30 kN; a deck over one or two of them, of which one bears 39 kN, two 20 or 39 kN each,
+    held by itself or not."""
+    scene = pad(4, load=50.0).scene
+    one = replace(scene.bodies[0], density=1.0)
+    grid = replace(scene.grid, x=Axis(0.0, 8.0, 0.5))
+    bodies = [one] + [replace(one, name="other", position=(5.0, 0.0, 0.0))] * (pads - 1)
+    length = 2.0 if pads == 1 else 12.0
+    deck = replace(one, name="deck", density=density, position=(0.0, 0.0, 0.0), rest_on=0.5, held=held or one.held,
+                   parameters={"length": length, "width": 2.0, "height": 2.0 / length, "size": 5.0})
+    deck = replace(deck, held=held or ("x", "y", "rx", "ry", "rz"))
+    stages = (replace(scene.stages[0], loads=(replace(scene.stages[0].loads[0], body="pad"),)),)
+    scene = replace(scene, grid=grid, bodies=(*bodies, deck), gravity=(0.0, 0.0, -9.81), stages=stages)
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
 @pytest.mark.parametrize("cohesion, expected", [(10e3, 500), (100.0, 20), (0.0, 20)])
 def test_the_cohesion_of_soil_with_friction_bears_a_load(cohesion, expected):
     """5 kN on a quarter; 6 c A is 60 kN and 0.6 kN. What friction alone bears is not known."""

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.runtime.errors import SceneError
+from hybrid.runtime.errors import SceneError, StepError
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Pull, Scene, Soil, Stage, Time
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scene.ground import heights, heights_at, mean_heights
+from hybrid.setup import settle
 from hybrid.setup.build import build
 from hybrid.setup.soil import lay_out
 from hybrid.study.random.fresh.sand import bank
@@ -139,6 +140,27 @@ def test_a_bank_steeper_than_its_friction_angle_slides_and_a_note_says_so():
                      r"If it should stand, flatten soil\.ground", " ".join(notes))
     assert "initial imbalance" not in " ".join(next(build(bank(26.0).scene).steps()).notes)
     with pytest.raises(SceneError, match="finds no equilibrium at the start.* flatten soil.ground or raise the strength"):
+        build(bank(55.0).scene)
+
+
+def test_where_newtons_method_fails_near_the_geostatic_stress_gravity_grows_from_none(monkeypatch):
+    """A stable slope then settles by more, as its weight acts on it anew, to nearly the same stress; a bank that slides is
+    refused all the same."""
+    direct, settled = build(scene(SLOPE)), settle._settled
+
+    def fails_at_first(*given):
+        if given[5] == settle.FIRST:
+            raise StepError("no convergence")
+        return settled(*given)
+
+    monkeypatch.setattr(settle, "_settled", fails_at_first)
+    grown = build(scene(SLOPE))
+    text, = grown.sheet()["modelled"]["settled at the start"] if isinstance(
+        grown.sheet()["modelled"]["settled at the start"], list) else [grown.sheet()["modelled"]["settled at the start"]]
+    assert "under gravity that grows from none" in text and "imbalance" not in " ".join(next(grown.steps()).notes)
+    vertical = [simulation.state.points.stress[:, 2, 2] for simulation in (direct, grown)]
+    np.testing.assert_allclose(vertical[1], vertical[0], atol=0.1 * np.abs(vertical[0]).max())
+    with pytest.raises(SceneError, match="finds no equilibrium at the start"):
         build(bank(55.0).scene)
 
 

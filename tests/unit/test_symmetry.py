@@ -14,6 +14,7 @@ from hybrid.output import history, progress, summary
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Output, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
+from hybrid.study.scenes import soil_scene
 
 GEOMETRY = Path(hybrid.__file__).parents[1] / "geometry"
 SIDE, SIZE = 0.6, 0.15
@@ -123,6 +124,25 @@ def test_a_body_across_an_end_of_the_grid_is_no_half_otherwise(change):
 
 FREE = {"y": HALF, "driven": (), "held": (), "velocity": (0.0, 0.0, 0.0), "rest_on": 0.0}
 ABOUT_X = (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("densities, mirrored", [((500.0, 500.0), True), ((500.0, 3000.0), False)])
+def test_halves_of_unlike_densities_are_no_symmetric_body(densities, mirrored, tmp_path):
+    """Two boxes beside one another, on either side of the plane x = 0."""
+    path = tmp_path / "two.geo"
+    path.write_text("""SetFactory("OpenCASCADE");
+Box(1) = {-0.5, -0.5, -0.5, 0.5, 1, 1};
+Box(2) = {0, -0.5, -0.5, 0.5, 1, 1};
+BooleanFragments{ Volume{1}; Delete; }{ Volume{2}; Delete; }
+Mesh.MeshSizeMin = 0.5;
+Mesh.MeshSizeMax = 0.5;
+Physical Volume("left") = {1};
+Physical Volume("right") = {2};
+Physical Surface("contact") = Abs(CombinedBoundary{ Volume{:}; });
+""")
+    described = soil_scene([Body(path, dict(zip(("left", "right"), densities)), name="two", position=(0.0, 1.0, 0.5))],
+                           x=(0.0, 2.0), y=(0.0, 2.0), gravity=(0.0, 0.0, -9.81), time=Time(0.01))
+    assert bool(build(described).model.bodies[0].mirrors) == mirrored
 
 
 @pytest.mark.parametrize("joint, mirrored", [

@@ -126,7 +126,7 @@ def footings(scene, model):
     if soil.held or scene.gravity[2] >= 0.0 or soil.grid.collapsed.sum() > 1 or soil.grid.collapsed[2]:
         return
     cell = soil.grid.resolution
-    for body, travel, place, plane, by_force, _, arm in loadings(scene, model):
+    for body, travel, place, plane, by_force, inclined, arm in loadings(scene, model):
         bottom, width = place[:, 2].min(), narrowest(soil.grid, place, travel)
         material = material_at(scene, soil, bottom - 0.5 * cell)
         shallow = bottom >= top_of(soil) - SHALLOW * width and not under_all(soil, place)
@@ -140,7 +140,7 @@ def footings(scene, model):
         part = ", a part of its load at this depth," if bottom < top_of(soil) - BURIED * width else ""
         if excess > EXCESS and not covers(place, soil):
             beside = f", less twice the {arm:.3g} m by which the load is beside its middle" if arm else ""
-            less, below = "the difference", settles(by_force and strip, width / cell, arm)
+            less, below = "the difference", settles(by_force and strip and not inclined, width / cell, arm)
             if strip:
                 less = f"1.9 times {less}, as the excess falls with the power 0.6 of the cells"
             yield (f"{body.name} is pressed on sand with a base {left / cell:.2g} cells of {cell:.3g} m wide{beside}: what "
