@@ -3,8 +3,8 @@ level.
 
 Quasi-static steps under the loads of the start find the equilibrium before the first stage begins: the first one takes
 nearly all, the others what is out of balance after the points have moved. Where Newton's method fails near the geostatic
-stress, as on some stable slopes of sand with ψ < φ, gravity grows from none instead. Bodies are held, pull lines are slack; then
-time, velocities and work are zero again, and stress, contact and the places of points stay.
+stress, as on some stable slopes of sand with ψ < φ, gravity grows from none instead. Bodies are held, pull lines are
+slack; then time, velocities and work are zero again, and stress, contact and the places of points stay.
 """
 
 from dataclasses import dataclass, replace
@@ -45,7 +45,8 @@ class Settled:
                        for name, force in self.held.items())
         how = (f"from {100 * self.before.share:.2g} % of the weight out of balance" if not self.in_steps else
                "under gravity that grows from none, as no equilibrium was found near the geostatic stress")
-        return (f"quasi-static, {how}: points move by up to {self.moved:.2g} m, plastic strain up to {self.plastic:.2g}{held}")
+        return (f"quasi-static, {how}: points move by up to {self.moved:.2g} m, plastic strain up to "
+                f"{self.plastic:.2g}{held}")
 
 
 def settle(model, state, length):
