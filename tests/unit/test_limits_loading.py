@@ -97,6 +97,18 @@ def test_a_moment_counts_that_comes_after_the_force(stages):
     assert "0.1 of its width beside its middle" in text
 
 
+@pytest.mark.parametrize("x, told", [(0.0, 1), (3.0, 0)])
+def test_a_force_on_a_body_that_stands_on_another_one_loads_the_lower_one(x, told):
+    """Of a block on a strip, or beside it in the air."""
+    force = Load(body="block", force=((0.0, 0.0, 0.0, 0.0), (10.0, 0.0, 0.0, -2e5)))
+    scene = described(Stage("press", 10, loads=(force,)), material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), held=("x",), position=(0.0, 0.5, 0.0))
+    block = replace(strip, name="block", position=(x, 0.5, 0.0), rest_on=strip.parameters["height"], held=("x", "ry"),
+                    parameters={"length": 0.6, "width": 1.0, "height": 0.5, "size": 5.0})
+    found = [text for text in limit_texts(cells.few_cells, replace(scene, bodies=(strip, block))) if "strip" in text]
+    assert len(found) == told
+
+
 @pytest.mark.parametrize("height, law", [(1.0, "mohr-coulomb"), (-0.5, "mohr-coulomb"), (-2.0, "von-mises")])
 def test_soil_above_the_top_is_that_of_the_top(height, law):
     scene = described(material=CLAY)

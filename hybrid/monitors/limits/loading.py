@@ -138,8 +138,8 @@ def _with(found, start, travel):
 
 
 def loaded(scene, model):
-    """Loading by each body that is free to follow forces of a stage, or that a point of it drives, and that neither another
-    body nor the ground carries above the soil."""
+    """Loading by each body that is free to follow forces of a stage, its own and those of bodies that stand on it, or that a
+    point of it drives, and that neither another body nor the ground carries above the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     outlines = [outline(described, body, model.soil) for described, body in zip(scene.bodies, model.bodies)]
@@ -149,6 +149,7 @@ def loaded(scene, model):
             continue        # others carry it, or the ground
         centre, rotation = initial_pose(described, body)
         force, moment, free = _largest_load(scene, body, rotation)
+        force = force + (0.0, 0.0, _handed_on(scene, model, outlines, i))
         axis = int(np.argmax(np.abs(force)))
         if not force[axis] or not free[axis] or model.soil.grid.collapsed[axis]:
             continue
@@ -166,6 +167,13 @@ def loaded(scene, model):
             arm = np.abs(np.where(free[3:], moment, 0.0)).max() / np.linalg.norm(travel)
         yield Loading(whole, travel, place, leads(whole, place, travel), True, inclined,
                       arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+
+
+def _handed_on(scene, model, outlines, number):
+    """Vertical force [N] of stages on bodies that stand on the one of this `number`; outlines: (RigidBody, places) of
+    all."""
+    return sum(_largest_load(scene, model.bodies[j], initial_pose(scene.bodies[j], model.bodies[j])[1])[0][2]
+               for j, (_, place) in enumerate(outlines) if j != number and stands_on(place, outlines[number][1]))
 
 
 def _on_base(body, place, force):
