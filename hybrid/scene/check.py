@@ -177,9 +177,10 @@ def _in_plane(key, body, grid):
     for axis in "xyz":
         if getattr(grid, axis).collapsed:
             out = [name for name in out_of_plane(axis) if name in body.driven or rates[name]]
-            yield from need(not out, f"{key}.driven" if set(out) <= {*body.driven} else f"{key}.velocity, spin", out,
-                            f"motions in the plane across the collapsed axis {axis}", "leave these components out, or model "
-                            f"the third dimension with grid.{axis}.collapsed = false")
+            where = f"{key}.driven" if set(out) <= {*body.driven} else f"{key}.velocity, spin"
+            yield from need(not out, where, out, f"motions in the plane across the collapsed axis {axis}",
+                            "leave these components out (spin is about the axes of the body), or model the third dimension "
+                            f"with grid.{axis}.collapsed = false")
 
 
 def _interface(key, body, soil):
