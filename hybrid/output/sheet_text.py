@@ -1,7 +1,5 @@
 """Text of a sheet {section: {label: value}}, such as the model sheet, and the sheet of a mesh."""
 
-import numpy as np
-
 from hybrid.runtime.sandbox import shortcoming
 
 
@@ -27,7 +25,7 @@ def mesh_sheet(body, mass, density):
         else density,
         **({"modelled": "half of a body, as is all that follows"} if len(body.symmetry) else {}),
         "mass [kg]": mass.mass,
-        "centre of mass [m]": np.where(np.abs(mass.centre) > 1e-12 * np.ptp(body.points), mass.centre, 0.0),
+        "centre of mass [m]": mass.centre * (abs(mass.centre) > 1e-12 * body.points.max()) + 0.0,
         "inertia about the centre [kg m²]": list(mass.inertia),
     }
     sheet = {f"mesh of {body.name}": mesh_rows, "mass": mass_rows}

@@ -176,9 +176,8 @@ def _in_plane(key, body, grid):
     rates = velocities(body)
     for axis in "xyz":
         if getattr(grid, axis).collapsed:
-            out = [name for name in out_of_plane(axis) if name in body.driven or rates[name]]
-            where = f"{key}.driven" if set(out) <= {*body.driven} else f"{key}.velocity, spin"
-            yield from need(not out, where, out, f"motions in the plane across the collapsed axis {axis}",
+            out = [name for name in out_of_plane(axis) if rates[name]]      # driven ones without a rate are held
+            yield from need(not out, f"{key}.velocity, spin", out, f"motions in the plane across the collapsed axis {axis}",
                             "leave these components out (spin is about the axes of the body), or model the third dimension "
                             f"with grid.{axis}.collapsed = false")
 

@@ -133,8 +133,9 @@ def test_a_component_is_driven_or_held(path, inertia):
 
 
 @pytest.mark.parametrize("motion, words", [
-    ({"driven": ("y",), "velocity": (0.0, 0.1, 0.0)}, r"body.0.driven = \[y\]: must be motions in the plane"),
-    ({"driven": ("rx",), "spin": (0.1, 0.0, 0.0)}, r"body.0.driven = \[rx\]"),
+    ({"driven": ("y",), "velocity": (0.0, 0.1, 0.0)}, r"body.0.velocity, spin = \[y\]: must be motions in the plane"),
+    ({"driven": ("rx",), "spin": (0.1, 0.0, 0.0)}, r"body.0.velocity, spin = \[rx\]"),
+    ({"driven": ("x", "y"), "velocity": (0.1, 0.0, 0.0)}, ""),
     ({"velocity": (0.1, 0.1, 0.0)}, r"body.0.velocity, spin = \[y\]: must be motions in the plane across"),
     ({"spin": (0.0, 1.0, 0.0), "velocity": (0.1, 0.0, 0.1)}, "")])
 def test_a_body_does_not_move_across_a_collapsed_axis(motion, words):
