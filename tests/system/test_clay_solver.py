@@ -22,7 +22,7 @@ def pressed(cells=8, steps=3, **solver):
     side = Axis(0.0, 2.0, size)
     clay = Material(law="von-mises", young=50e6, poisson=0.49, density=1.0, strength=10e3)
     footing = box(2.0, 2.0, 0.5, size=20.0, rest_on=1.0, held=("x", "y", "rx", "ry", "rz"), driven=("z",),
-                  velocity=(0.0, 0.0, -0.001))
+                  velocity=(0.0, 0.0, -0.001), penalty=20.0 / size)
     return build(Scene(
         name="clay", grid=Grid(side, side, Axis(0.0, 1.0 + size, size), Faces(z_min="fixed")),
         soil=Soil(clay, top=1.0, geostatic=False, fbar=True, ghost=0.0033), bodies=(footing,), gravity=(0.0, 0.0, 0.0),
