@@ -170,10 +170,11 @@ def loaded(scene, model):
 
 
 def _handed_on(scene, model, outlines, number):
-    """Vertical force [N] of stages on bodies that stand on the one of this `number`; outlines: (RigidBody, places) of
-    all."""
-    return sum(_largest_load(scene, model.bodies[j], initial_pose(scene.bodies[j], model.bodies[j])[1])[0][2]
-               for j, (_, place) in enumerate(outlines) if j != number and stands_on(place, outlines[number][1]))
+    """Vertical force [N] of stages on bodies that stand on the one of this `number`, not of joined ones, whose moments
+    joints hand on; outlines: (RigidBody, places) of all."""
+    return sum(_largest_load(scene, body, initial_pose(scene.bodies[j], body)[1])[0][2]
+               for j, (body, (_, place)) in enumerate(zip(model.bodies, outlines))
+               if j != number and body.name not in scene.joined and stands_on(place, outlines[number][1]))
 
 
 def _on_base(body, place, force):
