@@ -27,6 +27,7 @@ from hybrid.step import processes
 
 OF_POINTS = "position", "half_width", "volume", "mass"
 TINY = 1e-9     # [Pa]
+MOST_K0 = 35.0  # more than the passive coefficient of 70 degrees
 
 
 @dataclass(frozen=True)
@@ -261,7 +262,8 @@ def _remedy(law, stress, strata):
     given = stress[:, :2] / np.minimum(stress[:, 2:], -TINY)
     largest_k0 = given.max(initial=0.0)     # of this process's own points: it alone refuses
     passive = largest_k0 > 1.0
-    for k0 in np.arange(np.floor(100 * largest_k0) / 100, 0.995, -0.01) if passive else np.arange(0.01, 1.005, 0.01):
+    highest = np.floor(100 * min(largest_k0, MOST_K0)) / 100
+    for k0 in np.arange(highest, 0.995, -0.01) if passive else np.arange(0.01, 1.005, 0.01):
         trial = (np.maximum if passive else np.minimum)(stress, np.array([k0, k0, 1.0]) * stress[:, 2:])
         carried = law.respond(law.strain(trial), np.zeros(len(trial))).stress
         if np.abs(carried - trial).max(initial=0.0) <= 1e-9 * np.abs(trial).max(initial=0.0):

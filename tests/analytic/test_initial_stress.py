@@ -191,7 +191,7 @@ def test_dense_sand_is_at_rest_under_the_cone_that_is_chosen_for_it(friction, di
     assert simulation.state.points.plastic_strain.max() < 1e-9 and record.rejections == 0
 
 
-@pytest.mark.parametrize("given, words, beyond", [(0.2, "at least", -0.02), (4.9, "at most", 0.02)])
+@pytest.mark.parametrize("given, words, beyond", [(0.2, "at least", -0.02), (4.9, "at most", 0.02), (1e25, "at most", 0.02)])
 def test_a_k0_that_the_soil_cannot_carry_is_refused_with_one_that_it_can(given, words, beyond):
     with pytest.raises(SceneError, match=f"more than the law can carry; set soil.k0 to {words} (.*), or raise") as refusal:
         build(level(material=SAND, k0=given))
