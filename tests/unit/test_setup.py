@@ -249,8 +249,11 @@ def test_springs_on_a_thin_layer_that_yields_follow_its_stiffness(wide, poisson,
     described = soil_scene([box(wide, 0.8, 0.4, position=(1.0, 0.4, 0.0), rest_on=0.0, driven=driven, velocity=velocity)],
                            x=Axis(0.0, 2.0, 0.2), y=Axis(0.0, 0.8, collapsed=True), z=(-0.8, 0.4))
     clay = replace(described.soil.material, law="von-mises", strength=1e4, poisson=poisson)
-    body, = build(replace(described, soil=replace(described.soil, material=clay))).model.bodies
+    described = replace(described, soil=replace(described.soil, material=clay))
+    body, = build(described).model.bodies
     assert body.penalty == pytest.approx(expected, rel=1e-3)
+    stuck = replace(described.bodies[0], tension="full")    # drawn up again it bears the clay of few cells
+    assert build(replace(described, bodies=(stuck,))).model.bodies[0].penalty == pytest.approx(20 / 0.2)
 
 
 @pytest.mark.parametrize("young, height", [(1e8, 0.4), (5e6, 0.8)])
