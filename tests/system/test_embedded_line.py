@@ -122,3 +122,11 @@ def test_the_shape_of_a_line_is_its_integral():
     middle = 0.5 * (z[1:] + z[:-1])
     steep = [shackle(1e6, 0.3, soil.load(-height)[0], 0.4)[1] for height in middle]
     assert np.diff(z) / np.diff(x) == pytest.approx(np.tan(steep), rel=1e-3) and (x[0], z[0], z[-1]) == (0.0, -4.0, 0.0)
+
+
+@pytest.mark.parametrize("direction, length, told", [([10.0, 0.0, 10.0], 14.2, 1), ([100.0, 0.0, 10.0], 100.5, 0)])
+def test_a_far_end_that_is_nearer_than_where_the_line_comes_up_is_reported(direction, length, told):
+    simulation = build(load_scene(DEMO, [f"body.0.pull.direction={direction}", f"body.0.pull.length={length}",
+                                         "stage.0.steps=6"]))
+    notes = [note for record in simulation.steps() for note in record.notes if "comes up to the mudline" in note]
+    assert len(notes) == told and all("its far end is only 10" in note for note in notes)
