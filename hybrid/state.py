@@ -164,6 +164,7 @@ class BodyState:
     reaction     (6,) [N, N m about the centre] of the guides of held and driven components, zero for free ones
     load         (6,) [N, N m about the centre] of the loads of its stage, None where none act
     algorithmic  (6,) acceleration and spin rate that generalised-alpha carries, None for other schemes
+    apart        number of increments in a row in which it has been near nothing (`hybrid.step.flight`)
     """
 
     position: np.ndarray
@@ -176,6 +177,7 @@ class BodyState:
     reaction: np.ndarray | None = None
     algorithmic: np.ndarray | None = None
     load: np.ndarray | None = None
+    apart: int = 0
 
     @property
     def pose(self):

@@ -12,6 +12,7 @@
 | EnergyBalance    | energy is gained, or lost in one step, that the balance cannot explain  |
 | AbsorbedImpact   | falling bodies, or soil that flows fast, lose energy without a cause    |
 | DampedVibration  | the time integration damps a vibration that the steps resolve           |
+| DampedFlight     | it damps the motion of bodies that touch nothing                        |
 | FastRotation     | a body that an impact has set spinning tumbles by too much in a step    |
 | BodyImpact       | bodies that hit one another lose or gain energy without a cause         |
 | PlasticIncrement | an increment without inertia adds too much plastic strain               |
@@ -36,6 +37,7 @@ import numpy as np
 from hybrid.monitors.absorbed_impact import AbsorbedImpact
 from hybrid.monitors.body_overlap import BodyOverlap
 from hybrid.monitors.creeping_soil import CreepingSoil
+from hybrid.monitors.damped_flight import DampedFlight
 from hybrid.monitors.damped_vibration import DampedVibration
 from hybrid.monitors.domain_exit import DomainExit
 from hybrid.monitors.energy_balance import EnergyBalance
@@ -58,7 +60,7 @@ from hybrid.monitors.untouched import Untouched
 MONITORS = (
     DomainExit, GridEnd, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance,
     PlasticIncrement, FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    LastImpact, IdleAdhesion, ShortLine, Untouched, DampedVibration, FastRotation)
+    LastImpact, IdleAdhesion, ShortLine, Untouched, DampedVibration, DampedFlight, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

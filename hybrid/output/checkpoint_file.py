@@ -159,7 +159,7 @@ def _fields(item, prefix):
 def _restored(kind, arrays, prefix):
     own = below(arrays, prefix + "/")
     inner = {name: NESTED[name] for name in NESTED if below(own, name + "/")}
-    values = {name: value for name, value in own.items() if "/" not in name}
+    values = {name: value if value.ndim else value.item() for name, value in own.items() if "/" not in name}
     return kind(**values, **{name: _restored(part, own, name) for name, part in inner.items()})
 
 

@@ -10,6 +10,7 @@ from hybrid.body.rigid import FREEDOMS, Line, RigidBody
 from hybrid.runtime.errors import SceneError
 from hybrid.setup.stages import point_of, stage_controls
 from hybrid.state import BodyState
+from hybrid.step import flight
 
 
 FLUSH = 1e-3    # of the size of a body
@@ -46,7 +47,7 @@ def build_body(described, body_mesh, gravity, stages=()):
     falling = gravity * free[:3]  # nothing touches a body at the start, so it accelerates freely
     spin = np.array(described.spin, float)
     motion = BodyState(position, rotation, np.array(described.velocity, float), falling, spin,
-                       free_spin_rate(properties.inertia, rotation, spin, free[3:]))
+                       free_spin_rate(properties.inertia, rotation, spin, free[3:]), apart=flight.AFTER)
     return body, motion
 
 

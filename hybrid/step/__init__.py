@@ -25,6 +25,7 @@ increments.outer_step               until the end of the step is reached:
     assemblies.py                    support and scale of forces over joints
     evaluation.py                    trial values, and the residual there
     loads.py, search_reach.py        gravity and given loads; how far from a body contact is searched for
+    flight.py                        bodies near nothing, whose scheme damps next to nothing
 3 newton.py         Newton's method: what is tried in turn; iteration.py: updates in one way until they converge
     first_guess.py, rolling.py       where it starts; a round body then rolls
     contacts.py                      contact as it is steered; contact_resultants.py: its resultants on each body

@@ -23,7 +23,7 @@ from hybrid.runtime import comm
 from hybrid.runtime.timing import phase
 from hybrid.soil.model import SoilStep
 from hybrid.state import State
-from hybrid.step import assemblies, body_terms, joint_rates, joint_terms, pair_terms, soil_terms
+from hybrid.step import assemblies, body_terms, flight, joint_rates, joint_terms, pair_terms, soil_terms
 from hybrid.step.body_terms import BodyStep
 from hybrid.step.evaluation import Evaluation, Unknowns
 from hybrid.step.joint_terms import JointStep
@@ -202,6 +202,7 @@ def begin(model, state, dt, pulling, workspace):
     with phase("contact search"):
         bodies = body_terms.begin_bodies(model, state, dt, pulling, domains, active, nodal)
     joints, pairs = joint_terms.begin_joints(model, state, dt), pair_terms.begin_pairs(model, state, bodies, dt)
+    bodies = flight.with_schemes(model, bodies, pairs)
     return Step(model, state, dt, soil, pattern, system, workspace.systems.carried, bodies, joints=joints, pairs=pairs)
 
 

@@ -38,7 +38,7 @@ def count_from_start(step, evaluation, state, pushed):
                 changes[number] += change[row]
     for number in reached:
         bodies[number] = stage_start.count_from_start(
-            step.bodies[number].body, bodies[number], changes[number], step.model.scheme, step.dt)
+            step.bodies[number].body, bodies[number], changes[number], step.bodies[number].scheme, step.dt)
     return replace(state, bodies=bodies)
 
 

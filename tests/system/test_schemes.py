@@ -106,7 +106,7 @@ def test_a_stage_of_newmark_drops_the_algorithmic_acceleration(geometry):
         carried.append((state.points.algorithmic is not None, state.bodies[0].algorithmic is not None))
     assert carried == [(True, True)] * 2 + [(False, False)] * 2 + [(True, True)] * 2
     assert simulation.sheet()["modelled"]["time integration"] == (
-        "generalised-alpha, spectral radius 0; settle: Newmark, beta = 0.5625, gamma = 1")
+        "generalised-alpha, spectral radius 0, of bodies in flight 0.5; settle: Newmark, beta = 0.5625, gamma = 1")
 
 
 def test_a_resumed_run_has_its_algorithmic_acceleration(geometry, tmp_path):

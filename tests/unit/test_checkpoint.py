@@ -16,6 +16,7 @@ def assert_same(left, right):
         a, b = getattr(left, item.name), getattr(right, item.name)
         assert (a is None) == (b is None)
         if a is not None:
+            a, b = np.asarray(a), np.asarray(b)
             assert a.dtype == b.dtype and a.tobytes() == b.tobytes()
 
 

@@ -87,7 +87,8 @@ def _round(body, axis):
 
 
 def rotation_limit(scheme):
-    """(limit [rad], which of ROTATION) of a Scheme."""
+    """(limit [rad], which of ROTATION) of a Scheme, for bodies in flight."""
+    scheme = scheme.in_flight or scheme
     if scheme.rotation == "cayley":
         kind = "energy-momentum"
     elif scheme.damps:
