@@ -20,7 +20,7 @@ class DampedFlight(Monitor):
     def __init__(self, model, state):
         super().__init__(model, state)
         self._lost = self._largest = self._error = 0.0      # [J]
-        self._free = AFTER      # steps without contact
+        self._free = 0      # steps without contact
 
     def warnings(self, view):
         """Energy lost, limit and remedy."""

@@ -17,7 +17,7 @@ import numpy as np
 from hybrid.runtime.comm import largest
 from hybrid.runtime.errors import StepError
 from hybrid.soil.model import Soil
-from hybrid.step import failure_message, newton, processes, stage_contact
+from hybrid.step import failure_message, flight, newton, processes, stage_contact
 from hybrid.step.equations import begin
 from hybrid.step.evaluation import Evaluation
 from hybrid.step.error_estimate import even, following, local_error, shorter
@@ -51,6 +51,10 @@ def outer_step(model, workspace, state, length, pulling, control):
         outcome = newton.solve(step, short, control.backtrack and model.soil.law.plastic)
         if outcome.converged and step.pairs and control.too_long(dt, step.pairs.unforeseen(outcome.evaluation.pairs)):
             report.count(outcome, False)
+            continue
+        if outcome.converged and (struck := flight.hit(step, outcome.evaluation)):
+            report.count(outcome, False)
+            state = flight.landed(model, state, struck)
             continue
         accepted, error = control.judge(step, outcome)
         report.count(outcome, accepted)

@@ -1,12 +1,13 @@
 """Which scheme a body has: that for flight once nothing has been near it for a while, alone or with all it is joined to."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from hybrid.scheme import Scheme
-from hybrid.state import BodyState
+from hybrid.state import BodyState, State
 from hybrid.step import flight
 from hybrid.step.body_terms import BodyStep
 
@@ -23,8 +24,8 @@ def steps(near, apart=(flight.AFTER,) * 3, joints=(), pairs=(), scheme=SCHEME, t
         pair = SimpleNamespace(points=np.zeros(int(number in near)))
         bodies.append(BodyStep(number, None, state, target, pair, None, None, None, ZERO, scheme, 0.1))
     around = SimpleNamespace(near=[SimpleNamespace(
-        sides=[SimpleNamespace(start=np.zeros((places, 3)))], pair=SimpleNamespace(numbers=numbers))
-        for numbers, places in pairs])
+        sides=[SimpleNamespace(closes=closes, touching=np.array([touching]))], pair=SimpleNamespace(numbers=numbers))
+        for numbers, closes, touching in pairs])
     return flight.with_schemes(model, bodies, around if pairs else None)
 
 
@@ -36,7 +37,8 @@ def flying(found):
 
 @pytest.mark.parametrize("given, expected", [
     ({"near": []}, [0, 1, 2]), ({"near": [1]}, [0, 2]),
-    ({"near": [], "pairs": [((0, 2), 5)]}, [1]), ({"near": [], "pairs": [((0, 2), 0)]}, [0, 1, 2]),
+    ({"near": [], "pairs": [((0, 2), True, False)]}, [1]), ({"near": [], "pairs": [((0, 2), False, True)]}, [1]),
+    ({"near": [], "pairs": [((0, 2), False, False)]}, [0, 1, 2]),
     ({"near": [1], "joints": [(0, 1), (2, None)]}, [2]), ({"near": [0], "joints": [(1, 2), (0, 1)]}, []),
     ({"near": [], "target": ZERO}, []), ({"near": [], "apart": (0, 2, 4)}, [2])])
 def test_bodies_near_nothing_fly(given, expected):
@@ -55,6 +57,22 @@ def test_the_algorithmic_acceleration_of_a_smooth_motion_changes_with_the_scheme
     """It is v̇ of αf - αm steps earlier: of 1 with ρ∞ = 0, of 1/3 with 0.5."""
     body = steps([0] if near else [], apart=(apart,) * 3)[0]
     np.testing.assert_allclose(body.state.algorithmic, 1.0 - 0.1 * factor, rtol=1e-12)
+
+
+@pytest.mark.parametrize("active, joints, expected", [
+    ([], [], set()), ([3], [], {0, 1}), ([3], [(1, 2)], {0, 1, 2})])
+def test_bodies_that_hit_each_other_in_flight_are_found_and_land(active, joints, expected):
+    bodies = steps([])
+    model = SimpleNamespace(scheme=SCHEME, joints=[SimpleNamespace(bodies=pair) for pair in joints])
+    pairs = SimpleNamespace(near=[SimpleNamespace(pair=SimpleNamespace(numbers=(0, 1)))])
+    step = SimpleNamespace(model=model, bodies=bodies, pairs=pairs)
+    struck = flight.hit(step, SimpleNamespace(pairs=SimpleNamespace(contacts=[[SimpleNamespace(active=np.array(active))]])))
+    assert struck == expected
+    before = SimpleNamespace(bodies=[replace(body.state, apart=flight.AFTER + 1) for body in bodies])
+    after = flight.landed(model, State(0.0, 0, None, before.bodies, []), struck)
+    for number, (old, new) in enumerate(zip(before.bodies, after.bodies)):
+        assert new.apart == (0 if number in expected else old.apart)
+        np.testing.assert_allclose(1.0 - new.algorithmic, (3.0 if number in expected else 1.0) * (1.0 - old.algorithmic))
 
 
 def test_a_scheme_that_is_given_is_that_of_all_bodies():
