@@ -33,8 +33,9 @@ ATTACHED, ROUND, EDGE, WEDGE = 1.75, 1.5, 0.3, 0.7
 # Of a strip at 30 and 45° to the grid: 14.1, 13.2 s_u B with 8, 16 cells, where 0 and 90° have 15.1, towards 12.2
 TURNED = 1.25
 # Squares lifted, n = 4.5, 8.5, 12.5 across, 1.4 widths under the ground, α = 1: 15.9, 14.2, 13.5 s_u A where it has 12.4 at
-# most: 0.6; on lines of the grid, 8, one width: 14.8 of 10 to 11.5: 1.3
-SHALLOW_PLATE = 0.9
+# most: 0.6; on lines of the grid, 8, one width: 14.8 of 10 to 11.5: 1.3; 4, 8, 12 across, a quarter as thick, 2.5 widths
+# deep: 20.6, 17.4, 16.3 of 14.1 by extrapolation
+PLATE = 0.9         # of a plate in space less than LONG times as long as wide
 # Blocks pressed down by 0.36 of their width, smooth, lines a quarter of a cell beside the edges: 9.5, 8.5 s_u A of a square
 # with 4.5, 8.5 cells, towards 7.4; 7.6, 6.8, 6.5 of a strip with 4.5, 8.5, 16.5, towards 6.3
 SUNK, MEASURED = 2.0, 3.9       # MEASURED: cells across, narrower ones are reported by `unjudged`
@@ -174,9 +175,11 @@ def _attached(scene, model, body, travel, place, _):
         return NOTHING
     above = np.inf if soil.grid.collapsed[2] else top_of(soil) - place[:, 2].max()
     if above >= DEEP_PLATE * width or _covered(scene, soil):
-        across = [(width, TURNED if turned else ATTACHED if straight else ROUND) for width, straight, turned in across]
+        longest = max(width for width, *_ in across)
+        flat = ATTACHED if soil.grid.collapsed.any() or longest > LONG * width else PLATE
+        across = [(width, TURNED if turned else flat if straight else ROUND) for width, straight, turned in across]
     elif above >= DEEP * width and not soil.grid.collapsed.any():
-        across = [(width, SHALLOW_PLATE) for width, *_ in across]
+        across = [(width, PLATE) for width, *_ in across]
     else:       # straight ones are reported by `_on_lines`
         across = [(width, 0.0 if straight or travel[2] >= 0.0 else SHALLOW_ROUND) for width, straight, _ in across]
     excess = np.prod([1.0 + number * cell / width for width, number in across]) - 1.0
