@@ -69,7 +69,8 @@ def _travels(scene, model, number):
     for i in (number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})):
         if travels := of(i):
             line = model.bodies[i].line
-            return [way for way in travels if model.bodies[i].guided[:3][way[1] != 0.0].all()
+            guided = model.bodies[i].guided[:3] | moved_at_points(model.bodies[i])
+            return [way for way in travels if guided[way[1] != 0.0].all()
                     or line and _upright(way[1]) and (not line.tension_only or way[1] @ line.direction > 0.0)]
     holding = [joint for joint in model.joints if joint.length is not None and {number} < {*joint.bodies} - {None}]
     drawn = [way for joint in holding for i in joint.bodies if i != number
@@ -79,6 +80,16 @@ def _travels(scene, model, number):
                 if stands_on(place, places[number])]
     return drawn or [(start, travel * (1.0 + gap / travel[2])) for i, gap in pressing for start, travel in upright(i)
                      if travel[2] < -gap]
+
+
+def moved_at_points(body):
+    """(3,) bool, axes along which a stage drives a point of a RigidBody that it does not let turn: so the whole of it."""
+    moved = np.zeros(3, bool)
+    for stage in body.stages:
+        turns = (body.free | stage.released)[3:] & ~(stage.held | stage.driven)[3:]
+        if not turns.any():
+            moved[[point.guide.component for point in stage.points]] = True
+    return moved
 
 
 def _over(scene, model, joint, ways):
@@ -151,7 +162,7 @@ def loaded(scene, model):
         force, moment, free = _largest_load(scene, body, rotation)
         force = force + (0.0, 0.0, _handed_on(scene, model, outlines, i))
         axis = int(np.argmax(np.abs(force)))
-        if not force[axis] or not free[axis] or model.soil.grid.collapsed[axis]:
+        if not force[axis] or not free[axis] or model.soil.grid.collapsed[axis] or moved_at_points(body)[axis]:
             continue
         below = centre - (0.0, 0.0, body.surface.extent(-rotation[2]))
         on_base = _on_base(whole, initial_vertices(described, whole), force)
@@ -166,7 +177,7 @@ def loaded(scene, model):
         if all(j is not None and above[j] for j in bodies_joined_to(scene, i)):
             arm = np.abs(np.where(free[3:], moment, 0.0)).max() / np.linalg.norm(travel)
         yield Loading(whole, travel, place, leads(whole, place, travel), True, inclined,
-                      arm if arm > ASIDE * np.ptp(place, axis=0).max() else 0.0)
+                      arm if arm > ASIDE * np.ptp(place[:, ~model.soil.grid.collapsed], axis=0).max() else 0.0)
 
 
 def _handed_on(scene, model, outlines, number):

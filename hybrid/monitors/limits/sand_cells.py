@@ -111,8 +111,8 @@ def free_walls(scene, model, laws):
         return
     axis = int(np.flatnonzero(~soil.grid.collapsed)[0])
     for described, body in zip(scene.bodies, model.bodies):
-        if axis > 1 or not body.free[axis] or any(control.points for control in body.stages):
-            continue        # a point that is held or moved guides it, whichever way it turns
+        if axis > 1 or not body.free[axis] or body.driven.any() or any(control.points for control in body.stages):
+            continue        # what drives it, or a point of it, guides it, whichever way it turns
         whole, place = outline(described, body, soil)
         for travel in np.eye(3)[axis], -np.eye(3)[axis]:
             depth = depths(scene, soil, place, travel, laws, away=True)
