@@ -85,7 +85,7 @@ def _pair(numbers, described, own, bodies, surfaces, motions, grid, g, made):
     slice_width = np.prod([np.ptp(grid.extent[axis]) for axis in np.flatnonzero(collapsed)]) if collapsed.any() else None
     radii = tuple(_radius(surface, motion, collapsed) for surface, motion in zip(surfaces, motions))
     size, masses = 2.0 * min(radii), [body.mass.mass for body in bodies]
-    moving = [mass for mass, body in zip(masses, bodies) if body.free[:3].any()] or masses
+    moving = [mass for mass, body in zip(masses, bodies) if not body.guided[:3].all()] or masses
     load = own.load if own and own.load is not None else min(moving) * g
     curvature = sum(1.0 / curvature_radius(surface) for surface in surfaces)
     radius = min(1.0 / curvature, size / 2) if curvature > 0.0 else np.inf

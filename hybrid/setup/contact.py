@@ -70,22 +70,32 @@ def _beside_edges(described, body, motion, soil, gravity, plane):
     carried = rests_on_elastic_soil(body, soil, gravity)
     flows = soil.law.plastic and not body.below_capacity
     pointed = body.driven[2] and not base_share(body.outline, motion.rotation)
-    slides = body.driven[:2].any() or not carried and (
-        pointed or described.pull or any((described.velocity or ())[:2]))
+    beside = _beside(body, motion, soil)
+    slides = (body.driven[:2] & ~beside).any() or not carried and (
+        pointed or described.pull or (np.array(described.velocity)[:2] * ~beside).any())
     if not carried:
         body = replace(body, narrowest=narrowest_face(edges, cell))
     if flows or slides or plane and stands_on_edge(body, motion, soil):
         return replace(body, surface=round_off(surface, edges))
     ends = ends_of(surface, edges)
-    ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T)]
+    ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T, ~beside)]
     width = max((np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1), default=cell)    # of cells
     return replace(body, soft_edges=soft_edges(ends, body.penalty, width))
 
 
-def _at_ends_of(soil, edges):
-    """(e,) bool, whether edges with ends (e, 2, 3) [m] lie at an end of the soil or beyond it, as those of a platen."""
+def _beside(body, motion, soil):
+    """(2,) bool, whether a body begins beyond an end of the soil along x and y, as one that is pressed against its side."""
+    low, high = rigid.bounding_box(body, motion)[:, :2]
+    ends = np.array([extent(soil.constants, axis) for axis in range(2)])
+    near = FLUSH * soil.grid.smallest_cell
+    return ~soil.grid.collapsed[:2] & ((low > ends[:, 1] - near) | (high < ends[:, 0] + near))
+
+
+def _at_ends_of(soil, edges, along):
+    """(e,) bool, whether edges with ends (e, 2, 3) [m] lie at an end of the soil or beyond it, as those of a platen; along:
+    (2,) bool, x and y where that counts."""
     found = np.zeros(len(edges), bool)
-    for axis in np.flatnonzero(~soil.grid.collapsed[:2]):
+    for axis in np.flatnonzero(~soil.grid.collapsed[:2] & along):
         low, high = extent(soil.constants, axis)
         near = FLUSH * soil.grid.smallest_cell
         found |= (edges[..., axis] < low + near).all(axis=1) | (edges[..., axis] > high - near).all(axis=1)
