@@ -20,10 +20,13 @@ from hybrid.body.guides import forces_of
 from hybrid.body.paths import travel_along
 from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
-from hybrid.monitors.limits.materials import CLAY, material_at
+from hybrid.monitors.limits.cell_size import EXCESS
+from hybrid.monitors.limits.clay_cells import LAID as SUNK
+from hybrid.monitors.limits.materials import CLAY, SAND, material_at
 from hybrid.monitors.limits.shape import is_round
 from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
 from hybrid.runtime.comm import maximum
+from hybrid.scene.defaults import STANDARD_GRAVITY
 
 # (a/h, tangential force over the weight times r/a)
 FORCE = ((0.0, 0.0), (0.18, 0.065), (0.37, 0.15), (0.5, 0.26), (0.75, 0.26), (1.0, 0.17), (1.34, 0.05))
@@ -33,6 +36,10 @@ BEARING = 6.0       # pressure under a round body that has sunk into clay, over 
 # Cylinder of 1 m towed over clay under 17.7 kN/m, s_u = 10 kPa, by its diameter: 60, 105, 115 mm deep, 9.7, 12.3, 12.9 kN/m
 # with 3.4, 5.5, 6.9 cells on the width that a strip would need
 STRIP, CHORD, BARELY = 5.14, 6.5, 0.5
+# A cylinder of 0.6 m laid by 9 kN/m over a node, over the middle of a cell: 7.2, 2.4 mm deep in clay with 1.2 cells in its
+# contact, 6.6, 8.0 with 2.3, towards 8.5; on elastic soil 3.5, 2.6 mm with 0.5, 3.8, 3.3 with 1, towards 3.8; on sand 7.7,
+# 15.1 with 2.7, 12.6, 8.9 with 5.5, towards 11.2. {kind: (with one cell, power of their number)}
+BY_PLACE = {"clay": (1.05, 2.0), "elastic soil": (0.12, 1.35), "sand": (0.95, 1.0)}
 
 
 def rolls_on_lattice(scene, model):
@@ -66,23 +73,75 @@ def towed_roller(scene, model):
     if soil.held or soil.grid.collapsed.sum() != 1 or len(across) != 1:
         return
     material, cell = material_at(scene, soil, top_of(soil)), soil.grid.smallest_cell
-    thickness = float(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1)[0])
     for described, body in zip(scene.bodies, model.bodies):
-        distance = np.linalg.norm(initial_vertices(described, body)[:, [across[0], 2]]
-                                  - initial_pose(described, body)[0][[across[0], 2]], axis=1)
-        moved = travel_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]]
-        if material.law != CLAY or not material.strength or not moved or not is_round(body.outline, distance):
+        forces = list(forces_of(body))
+        moved = travel_along(scene, described, "xy"[across[0]]) or described.velocity[across[0]] or any(
+            force[:, across[0]].any() for force in forces)
+        if material.law != CLAY or not material.strength or not moved or not _is_cylinder(described, body, across[0]):
             continue
-        weight = -body.mass.mass * scene.gravity[2] - min((force[:, 2].min() for force in forces_of(body)), default=0.0)
-        chord = weight / (STRIP * material.strength * thickness)
+        chord = _load_on(scene, soil, body) / (STRIP * material.strength)
         turning = np.append(np.zeros(3, bool), soil.grid.collapsed)
-        kept = [stage.held[turning].all() for stage in body.stages or ()]
-        kept += [np.isin(FREEDOMS, stage.held)[turning].all() for stage in scene.stages]
-        turns = body.free[turning].all() and not any(kept)
+        kept = [given.held[turning].all() or np.isin(FREEDOMS, stage.held)[turning].all()
+                for given, stage in zip(body.stages, scene.stages)] if body.stages else [
+                    np.isin(FREEDOMS, stage.held)[turning].all() for stage in scene.stages]
+        turns = body.free[turning].all() and not all(kept)
         if turns and body.free[2] and BARELY * cell < chord < CHORD * cell:
             yield (f"{body.name} is rolled along clay that carries it on about {chord:.2g} m, {chord / cell:.2g} cells of "
                    f"{cell:.3g} m, limit {CHORD:g}: it sinks too little, and too little resists it (a roller towed by its "
                    f"diameter: half and three quarters with 3.4 cells). Use cells of at most {chord / CHORD:.2g} m")
+
+
+def narrow_contact(scene, model):
+    """Cylinders laid on soil in plane strain on a contact so narrow that their depth depends on where in a cell they lie;
+    those that sink into clay are reported by `clay_cells.laid_pipes`."""
+    soil, across = model.soil, np.flatnonzero(~model.soil.grid.collapsed[:2])
+    if soil.held or soil.grid.collapsed.sum() != 1 or len(across) != 1 or scene.soil.ground is not None:
+        return
+    top, cell = top_of(soil), soil.grid.smallest_cell
+    material = material_at(scene, soil, top)
+    towed = [text.split(" is rolled")[0] for text in towed_roller(scene, model)]
+    for described, body in zip(scene.bodies, model.bodies):
+        place = initial_vertices(described, body)
+        laid = body.free[2] and not body.driven[2] and abs(place[:, 2].min() - top) < cell
+        if not laid or body.name in {*scene.joined, *towed} or not _is_cylinder(described, body, across[0]):
+            continue
+        diameter = float(np.ptp(place[:, 2]))
+        kind, chord = _chord(material, _load_on(scene, soil, body), 0.5 * diameter)
+        if not 0.0 < chord < diameter or kind == "clay" and (chord / diameter) ** 2 / 4.0 > SUNK:
+            continue
+        share, power = BY_PLACE[kind]
+        error, limit = min(share * (cell / chord) ** power, 1.0), (share / EXCESS) ** (1.0 / power)
+        if error > EXCESS:
+            yield (f"{body.name} is round and lies on {kind} on about {chord:.2g} m, {chord / cell:.2g} cells of {cell:.3g} m, "
+                   f"limit {limit:.2g}: how deep, and what resists its rolling, depends by up to {error:.0%} on where in a "
+                   f"cell it touches. Use cells of at most {chord / limit:.2g} m there")
+
+
+def _is_cylinder(described, body, across):
+    """Whether a body is round in the plane of x or y, `across`, and z."""
+    place, middle = initial_vertices(described, body), initial_pose(described, body)[0]
+    return is_round(body.outline, np.linalg.norm((place - middle)[:, [across, 2]], axis=1))
+
+
+def _load_on(scene, soil, body):
+    """Largest load [N/m] along the slice by which a body and what stages push it with press the soil."""
+    thickness = float(np.ptp(soil.grid.extent[soil.grid.collapsed], axis=1)[0])
+    pushed = min((force[:, 2].min() for force in forces_of(body)), default=0.0)
+    return copies(body.mirrors) * (-body.mass.mass * scene.gravity[2] - pushed) / thickness
+
+
+def _chord(material, load, radius):
+    """(Kind of soil, width [m] on which it carries a `load` [N/m]): a strip's in clay and in sand, whose N_γ is that of
+    Hjiaj, Lyamin and Sloan (Int. J. Solids Struct. 42 (2005) 1681-1704), Hertz's on elastic soil; 0 where it is not known."""
+    if material.law == CLAY:
+        return "clay", load / (STRIP * material.strength) if material.strength else 0.0
+    if material.law == "hencky":
+        return "elastic soil", 4.0 * np.sqrt(max(load, 0.0) * radius * (1.0 - material.poisson**2) / (np.pi * material.young))
+    if material.law not in SAND or not material.friction_angle:
+        return "sand", 0.0
+    slope = np.tan(np.radians(material.friction_angle))
+    factor = np.exp((np.pi + 3.0 * np.pi**2 * slope) / 6.0) * slope ** (0.4 * np.pi)
+    return "sand", np.sqrt(2.0 * max(load, 0.0) / (material.density * STANDARD_GRAVITY * factor))
 
 
 def contact_radius(weight, radius, material, soil):
@@ -109,4 +168,4 @@ def _rolls(body):
     return body.free[2] and (body.free[[0, 4]].all() or body.free[[1, 3]].all())
 
 
-LIMITS = (rolls_on_lattice, towed_roller)
+LIMITS = (rolls_on_lattice, towed_roller, narrow_contact)
