@@ -153,9 +153,12 @@ class Simulation:
 
     @property
     def _hazards(self):
-        """The same about soil that is not in equilibrium at the start and has not settled."""
-        settled = self.imbalance is None or "settled at the start" in self.start
-        return () if settled or self.model.scheme.inertia else tuple(self.imbalance.hazards())
+        """The same about soil that is far from equilibrium at the start, or has settled and is not in equilibrium yet."""
+        if self.imbalance is None:
+            return ()
+        if "settled at the start" in self.start:
+            return self._imbalance_notes
+        return () if self.model.scheme.inertia else tuple(self.imbalance.hazards())
 
     @property
     def later_notes(self):
@@ -315,8 +318,12 @@ class Simulation:
         """Notes that go with the first step of the run."""
         if self.state.step != 1:
             return ()
-        stage = self.scene.stages[0]
         if self.imbalance is None or self._hazards:
             return self.warned
-        return self.warned + self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
-                                                  self.scene.step_of(stage), "settled at the start" in self.start)
+        return self.warned + self._imbalance_notes
+
+    @property
+    def _imbalance_notes(self):
+        stage = self.scene.stages[0]
+        return self.imbalance.notes(stage, self.model.scheme.with_pair(stage.beta, stage.gamma),
+                                    self.scene.step_of(stage), "settled at the start" in self.start)

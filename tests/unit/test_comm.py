@@ -106,6 +106,7 @@ LOCAL = {   # module: why a process may do it by itself
     "step/joint_rates.py": "the same",
     "contact/body_to_body.py": "places on bodies, which every process has",
     "step/pair_terms.py": "the same",
+    "step/flight.py": "the same",
     "monitors/limits/soil.py": "point that a message names",
     "monitors/missed_contact.py": "vertex of a body among its own points",
     "setup/law.py": "refusal of its own points",

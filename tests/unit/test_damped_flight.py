@@ -32,7 +32,8 @@ def test_energy_that_bodies_in_flight_lose_is_told_with_its_share():
 
 @pytest.mark.parametrize("errors, more", [
     (FADES[:10], {}), ([-value for value in FADES], {}), (FADES, {"touching": range(5, 20, 5)}), (FADES, {"held": False}),
-    (FADES, {"line": "a line"}), (FADES, {"scheme": Scheme(inertia=False)}), (FADES, {"scheme": Scheme.newmark(0.5625, 1.0)})])
+    (FADES, {"line": "a line"}), (FADES, {"scheme": Scheme(inertia=False)}),
+    (FADES, {"scheme": Scheme.newmark(0.5625, 1.0)})])
 def test_other_losses_are_not(errors, more):
     """Little; a gain; contact a moment ago; soil that deforms; a line; no inertia; a scheme of first order."""
     assert notes(errors, **more) == []

@@ -81,7 +81,7 @@ def test_a_scheme_that_is_given_is_that_of_all_bodies():
 
 
 def test_the_scheme_changes_without_an_error_of_first_order():
-    """A swing, cos t, whose scheme changes every 0.3 s: the error falls with the square of the step, as within one scheme."""
+    """A swing, cos t, whose scheme changes every 0.3 s: the error falls with the square of the step, as within one."""
     errors = []
     for dt in (0.02, 0.01):
         u, v, second, algorithmic, used = 1.0, 0.0, -1.0, None, SCHEME

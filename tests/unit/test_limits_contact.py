@@ -26,7 +26,7 @@ def tumbling(step, scheme="newmark", **time):
     return texts(stepping.large_rotation_step, body, step, time={**SCHEMES[scheme], **time})
 
 
-@pytest.mark.parametrize("scheme, limit", [("newmark", 0.4), ("alpha", 0.4), ("default", 0.2), ("energy-momentum", 0.2),
+@pytest.mark.parametrize("scheme, limit", [("newmark", 0.4), ("alpha", 0.4), ("default", 0.4), ("energy-momentum", 0.2),
                                            ("dissipative", 0.03)])
 def test_large_turns_of_a_tumbling_body(scheme, limit):
     assert not tumbling(0.99 * limit, scheme)
@@ -39,9 +39,9 @@ def test_large_turns_of_a_tumbling_body(scheme, limit):
 @pytest.mark.parametrize("kind, rotation, count", [
     ("ball", (1.0, 0.0, 0.0, 30.0), 1), ("ball", None, 0), ("hinge", (1.0, 0.0, 0.0, 30.0), 0)])
 def test_a_top_turns_about_more_than_its_axis(kind, rotation, count):
-    """0.3 rad a step: with 0.005 s a top of 60 rad/s precessed by 246 instead of 276 degrees (268 with half the step). One
-    that stands upright, or turns in a hinge, does not."""
-    body = box(0.2, 0.2, 1.0, name="top", position=(0.0, 0.0, 2.0), spin=(0.0, 0.0, 30.0), rotation=rotation)
+    """0.45 rad a step: with 0.3 a top precessed by 246 instead of 253 degrees. One that stands upright, or turns in a hinge,
+    does not."""
+    body = box(0.2, 0.2, 1.0, name="top", position=(0.0, 0.0, 2.0), spin=(0.0, 0.0, 45.0), rotation=rotation)
     axis = {"axis": (0.0, -0.5, 3**0.5 / 2)} if kind == "hinge" else {}
     described = replace(plane(body, 10, 0.01, gravity=(0.0, 0.0, -9.81)),
                         joints=(Joint("foot", kind, ("top",), (0.0, 0.0, -0.5), **axis),))

@@ -144,7 +144,14 @@ def test_what_is_not_turned_over_in_soil_that_flows_has_no_text():
     assert not over(depth=1.5, foot=1.5)        # a wall beside all of the soil
     assert not over(depth=-1.0)                 # in the air
     assert not over(depth=1.0, lower=-0.5) and over(depth=0.25, lower=-0.5)     # a tray that carries the soil
-    assert not over(depth=1.5, space=True)      # `turned` has one
+
+
+@pytest.mark.parametrize("n, moment", [(4, 41.7), (6, 36.9), (8, 34.3)])
+def test_a_caisson_deep_in_clay_has_the_law_of_footings_in_space(n, moment):
+    """[kN m] of one as deep as wide, towards 26.6; the law of vanes gave twice the excess."""
+    assert moment / 26.6 == pytest.approx(1 + turning.OVER_IN_SPACE / n, rel=0.06)
+    text, = over(depth=1.5, space=True)
+    assert "is turned about y" in text and "up to 22% too high" in text
 
 
 def test_a_box_deep_in_sand_in_space_has_the_law_that_was_measured():

@@ -22,7 +22,8 @@ def test_held_soil_leaves_six_unknowns():
     sheet = build(load_scene(DEMOS / "rolling_sphere.toml")).sheet()
     assert sheet["modelled"]["soil unknowns"] == 0 and sheet["modelled"]["body unknowns"] == 6
     assert any("the soil is held" in line for line in sheet["not modelled"])
-    assert sheet["modelled"]["time integration"] == "generalised-alpha, spectral radius 0"
+    assert sheet["modelled"]["time integration"] == (
+        "generalised-alpha, spectral radius 0, of bodies in flight 0.5")
     assert "inactive nodes" not in sheet["modelled"]
 
 

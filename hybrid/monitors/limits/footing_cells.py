@@ -66,7 +66,7 @@ import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import loadings
-from hybrid.monitors.limits.materials import SAND, material_at
+from hybrid.monitors.limits.materials import SAND, material_at, prandtl
 from hybrid.monitors.limits.sand_cells import clay_under
 from hybrid.monitors.limits.shape import leading_normal, narrowest, sides
 from hybrid.monitors.limits.start import covers, top_of
@@ -99,7 +99,7 @@ def cohesive_strips(scene, model):
         lid = covers(place, soil)
         if not plane or lid or travel[2] >= 0.0 or bottom < top_of(soil) - SHALLOW * width:
             continue
-        if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width):
+        if _cohesive(scene, material, width) and not clay_under(scene, soil, bottom, width, material):
             # a load beside the middle stands on less
             left = max(width - 2.0 * arm, cell)
             below = settles(by_force and not inclined and soil.grid.collapsed.any(), width / cell, arm)
@@ -201,12 +201,6 @@ def strip_excess(friction_angle, cells, dilation=1.0, reached=REACHED):
     """
     rise = (np.clip(reached, REACHED, FARTHEST) / REACHED) ** RISING if dilation else 1.0
     return (2.0 + dilation) / 3.0 * rise * (COHESION + FRICTION * friction_angle) / cells**ORDER
-
-
-def prandtl(angle):
-    """N_c [-] of a weightless strip on soil with a friction angle [deg] (Prandtl 1921)."""
-    slope = np.tan(np.radians(angle))
-    return (np.exp(np.pi * slope) * np.tan(np.radians(45.0 + 0.5 * angle)) ** 2 - 1.0) / slope
 
 
 def _reduced(angle, dilation):

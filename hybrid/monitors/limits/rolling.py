@@ -22,7 +22,7 @@ from hybrid.body.rigid import FREEDOMS
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.cell_size import EXCESS
 from hybrid.monitors.limits.clay_cells import LAID as SUNK
-from hybrid.monitors.limits.materials import CLAY, SAND, material_at
+from hybrid.monitors.limits.materials import CLAY, SAND, STRIP, material_at, weight_factor
 from hybrid.monitors.limits.shape import is_round
 from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
 from hybrid.runtime.comm import maximum
@@ -35,7 +35,7 @@ RESOLVED = 1.34     # cells in the radius of contact, from which on the force is
 BEARING = 6.0       # pressure under a round body that has sunk into clay, over its strength
 # Cylinder of 1 m towed over clay under 17.7 kN/m, s_u = 10 kPa, by its diameter: 60, 105, 115 mm deep, 9.7, 12.3, 12.9 kN/m
 # with 3.4, 5.5, 6.9 cells on the width that a strip would need
-STRIP, CHORD, BARELY = 5.14, 6.5, 0.5
+CHORD, BARELY = 6.5, 0.5
 # A cylinder of 0.6 m laid by 9 kN/m over a node, over the middle of a cell: 7.2, 2.4 mm deep in clay with 1.2 cells in its
 # contact, 6.6, 8.0 with 2.3, towards 8.5; on elastic soil 3.5, 2.6 mm with 0.5, 3.8, 3.3 with 1, towards 3.8; on sand 7.7,
 # 15.1 with 2.7, 12.6, 8.9 with 5.5, towards 11.2. {kind: (with one cell, power of their number)}
@@ -112,9 +112,9 @@ def narrow_contact(scene, model):
         share, power = BY_PLACE[kind]
         error, limit = min(share * (cell / chord) ** power, 1.0), (share / EXCESS) ** (1.0 / power)
         if error > EXCESS:
-            yield (f"{body.name} is round and lies on {kind} on about {chord:.2g} m, {chord / cell:.2g} cells of {cell:.3g} m, "
-                   f"limit {limit:.2g}: how deep, and what resists its rolling, depends by up to {error:.0%} on where in a "
-                   f"cell it touches. Use cells of at most {chord / limit:.2g} m there")
+            yield (f"{body.name} is round and lies on {kind} on about {chord:.2g} m, {chord / cell:.2g} cells of "
+                   f"{cell:.3g} m, limit {limit:.2g}: how deep, and what resists its rolling, depends by up to "
+                   f"{error:.0%} on where in a cell it touches. Use cells of at most {chord / limit:.2g} m there")
 
 
 def _is_cylinder(described, body, across):
@@ -131,17 +131,16 @@ def _load_on(scene, soil, body):
 
 
 def _chord(material, load, radius):
-    """(Kind of soil, width [m] on which it carries a `load` [N/m]): a strip's in clay and in sand, whose N_γ is that of
-    Hjiaj, Lyamin and Sloan (Int. J. Solids Struct. 42 (2005) 1681-1704), Hertz's on elastic soil; 0 where it is not known."""
+    """(Kind of soil, width [m] on which it carries a `load` [N/m]): a strip's in clay and in sand, Hertz's on elastic soil; 0
+    where it is not known."""
     if material.law == CLAY:
         return "clay", load / (STRIP * material.strength) if material.strength else 0.0
     if material.law == "hencky":
         return "elastic soil", 4.0 * np.sqrt(max(load, 0.0) * radius * (1.0 - material.poisson**2) / (np.pi * material.young))
     if material.law not in SAND or not material.friction_angle:
         return "sand", 0.0
-    slope = np.tan(np.radians(material.friction_angle))
-    factor = np.exp((np.pi + 3.0 * np.pi**2 * slope) / 6.0) * slope ** (0.4 * np.pi)
-    return "sand", np.sqrt(2.0 * max(load, 0.0) / (material.density * STANDARD_GRAVITY * factor))
+    weight = material.density * STANDARD_GRAVITY * weight_factor(material.friction_angle)
+    return "sand", np.sqrt(2.0 * max(load, 0.0) / weight)
 
 
 def contact_radius(weight, radius, material, soil):

@@ -19,7 +19,7 @@ import numpy as np
 
 from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import driven, loadings, to_failure
-from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
+from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at, strip_pressure
 from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
 from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of, under_all
 from hybrid.runtime.comm import maximum, minimum
@@ -132,7 +132,7 @@ def footings(scene, model):
         shallow = bottom >= top_of(soil) - SHALLOW * width and not under_all(soil, place)
         if not (plane and travel[2] < 0.0 and width and shallow and material.law in SAND):
             continue
-        if clay_under(scene, soil, bottom, width):
+        if clay_under(scene, soil, bottom, width, material):
             continue        # the base is punched through the sand into it
         strip = len(list(sides(soil.grid, place, travel))) == 1       # over all of the grid along the other axis
         left = max(width - 2.0 * arm, cell)         # what a load beside the middle stands on
@@ -167,10 +167,13 @@ def pipes(scene, model):
                    f"{EXCESS:.0%}. Extrapolate two sizes of cells to none: load of cells half as large less the difference")
 
 
-def clay_under(scene, soil, bottom, width):
-    """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m]."""
+def clay_under(scene, soil, bottom, width, sand):
+    """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m] that carries less than
+    the Material of the `sand` by its own weight."""
     lowest = max(bottom - DEEP * width, soil.grid.extent[2, 0])
-    return any(law_at(scene, soil, height) == CLAY for height in np.arange(bottom, lowest, -0.5 * soil.grid.resolution))
+    below = [material_at(scene, soil, height) for height in np.arange(bottom, lowest, -0.5 * soil.grid.resolution)]
+    carried = strip_pressure(sand, width, abs(scene.gravity[2]))
+    return any(each.law == CLAY and strip_pressure(each, width, 0.0) < carried for each in below)
 
 
 def _rising(material):

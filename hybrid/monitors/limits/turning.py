@@ -26,11 +26,13 @@ Along a round body it slips, at its outline, and the torque depends on where lin
 
 import numpy as np
 
+from hybrid.body.attitude import exp_so3
+from hybrid.body.paths import driven_by
 from hybrid.monitors.limits.cell_size import EXCESS, ON_LINE, smaller_cells
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at
 from hybrid.monitors.limits.shape import faces
 from hybrid.monitors.limits.stages import displacement_per_step
-from hybrid.monitors.limits.start import outline, top_of
+from hybrid.monitors.limits.start import initial_pose, outline, top_of
 from hybrid.soil.points import extent
 
 SHEARED = 1.3                   # cells by which the sheared surface is wider, and longer, than the body
@@ -43,48 +45,49 @@ IN_SAND = 1.2                   # of a box of 1 m, half of it in sand: 24.8, 21.
 # Of s_u/G [rad], and of the largest moment LARGEST s_u B² L, up to which clay under a strip is hardly more than elastic; and
 # angle [rad] up to which sand is
 FLOWS, LARGEST, TINY = 0.5, 0.77, 1e-4
+ANGLES = 61         # places looked at on the way of a body that is turned
 
 
 def turned(scene, model):
-    """Bodies in clay that are turned, or that a moment turns, with so few cells in them that the torque is more than
-    EXCESS too high."""
+    """Bodies in clay that are turned about z, or that a moment turns, with so few cells in them that the torque is more
+    than EXCESS too high."""
     soil = model.soil
     if soil.held or not soil.law.plastic or soil.grid.collapsed[:2].any():
         return
     in_plan = soil.grid.collapsed[2]
     for described, body in zip(scene.bodies, model.bodies):
-        axes = [axis for axis in range(3) if _turns(scene, described, body, axis)]
+        if not _turns(scene, described, body, 2):       # of those about other axes `turned_over` tells
+            continue
         whole, place = outline(described, body, soil)
         top = np.inf if in_plan else top_of(soil)       # what stands above the ground bears nothing
         place = np.column_stack([place[:, :2], np.minimum(place[:, 2], top)])
         middle = 0.5 * (place[:, 2].min() + place[:, 2].max())
         if middle >= top or law_at(scene, soil, middle) != CLAY:
             continue
-        shallow = top - place[:, 2].min() <= soil.grid.resolution
-        for axis in [axis for axis in axes if axis == 2 or not (shallow or in_plan)]:   # of others `turned_over` tells
-            yield from _torque(whole, place, axis, soil.grid.resolution, not in_plan)
+        yield from _torque(whole, place, soil.grid.resolution, not in_plan)
 
 
 def turned_over(scene, model):
     """Bodies on or in soil that are turned about a horizontal axis, or that a moment turns, with so few cells in them that
-    the moment is more than EXCESS too high. Of those deep in clay, in space, `turned` tells."""
+    the moment is more than EXCESS too high."""
     soil, collapsed = model.soil, model.soil.grid.collapsed
     if soil.held or not soil.law.plastic:
         return
     across = [axis for axis in range(2) if collapsed[axis] or not collapsed.any()]
-    for described, body in zip(scene.bodies, model.bodies):
+    for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         whole, place = outline(described, body, soil)
+        place = _deepest(scene, model, number, place)
         top, bottom = top_of(soil), place[:, 2].min()
         cell, base = soil.grid.resolution, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.resolution]
         above_base = bottom > max(soil.grid.extent[2, 0] + cell, extent(soil.constants, 2)[0] - ON_LINE * cell)
         if not above_base or bottom >= top + cell:      # beside all of the soil, or under it, as a tray that carries it
             continue
         material, deep = material_at(scene, soil, bottom - 0.5 * cell), not collapsed.any() and top - bottom > cell
-        if material.law not in {CLAY, *SAND} or deep and material.law == CLAY:
+        if material.law not in {CLAY, *SAND}:
             continue
         for axis in [axis for axis in across if _turns(scene, described, body, axis)]:
             width, buried = _width(place, top, axis, material, collapsed.any(), cell)
-            factor = OVER if collapsed.any() else IN_SAND if deep else OVER_IN_SPACE
+            factor = OVER if collapsed.any() else IN_SAND if deep and material.law != CLAY else OVER_IN_SPACE
             excess = factor * cell / width if width else 0.0
             excess = (1.0 + BURIED * cell / width)**2 - 1.0 if buried else excess
             strength = _strength(material, width, np.ptp(base[:, axis]))
@@ -92,6 +95,32 @@ def turned_over(scene, model):
                 yield (f"{body.name} is turned about {'xy'[axis]}, {width / cell:.2g} cells of {cell:.3g} m across: its "
                        f"moment, where soil flows under it, is up to {excess:.0%} too high, limit {EXCESS:.0%}, as it "
                        f"drives the next cells too. {smaller_cells(EXCESS / excess * cell, ' at it')}")
+
+
+def _deepest(scene, model, number, place):
+    """`place` (V, 3) [m] of the vertices of a body where it is lowest on the way on which stages turn it about a hinge to
+    the ground, or about its held centre."""
+    body = model.bodies[number]
+    hinges = [joint for joint in model.joints if joint.bodies == (number, None) and joint.at_point]
+    centre, rotation = initial_pose(scene.bodies[number], body)
+    if not hinges and body.free[[0, 2]].any() and body.free[[1, 2]].any():
+        return place
+    pivot = centre + rotation @ hinges[0].points[0] if hinges else centre
+    found = [place]
+    for axis in range(2):
+        ends = np.cumsum([0.0, *(turn for stage in scene.stages for turn in _turn_of(scene, stage, scene.bodies[number], axis))])
+        for angle in np.linspace(ends.min(), ends.max(), ANGLES) if np.ptp(ends) else ():
+            found.append(pivot + (place - pivot) @ exp_so3(angle * np.eye(3)[axis]).T)
+    return min(found, key=lambda each: each[:, 2].min())
+
+
+def _turn_of(scene, stage, described, axis):
+    """[rad] by which Motions of a stage turn a body about x or y, from one row of their tables to the next."""
+    length, name = stage.steps * scene.step_of(stage), f"r{'xy'[axis]}"
+    for motion in stage.motions:
+        if motion.body in (None, described.name) and motion.component == name:
+            turned = driven_by(motion, length)
+            yield from np.diff([0.0, *turned]) * (1.0 if motion.velocity is not None else np.pi / 180)
 
 
 def _width(place, top, axis, material, in_plane, cell):
@@ -132,12 +161,12 @@ def _turns(scene, described, body, axis):
     return any(displacement_per_step(scene, stage, described, f"r{'xyz'[axis]}") > 0.0 for stage in scene.stages)
 
 
-def _torque(body, place, axis, cell, ends):
-    """Text, if any, about the torque on a body with its vertices at `place` about an axis; ends: whether it has any."""
+def _torque(body, place, cell, ends):
+    """Text, if any, about the torque on a body with its vertices at `place` about z; ends: whether it has any."""
     sizes = np.ptp(place, axis=0)
-    length, across = sizes[axis], np.delete(sizes, axis).max()
-    begin = f"{body.name} is turned about {'xyz'[axis]} in clay, {across / cell:.2g} cells of {cell:.3g} m across"
-    if _pushes(body, place, axis) > BLADES:
+    length, across = sizes[2], sizes[:2].max()
+    begin = f"{body.name} is turned about z in clay, {across / cell:.2g} cells of {cell:.3g} m across"
+    if _pushes(body, place, 2) > BLADES:
         longer = cell / length if ends else 0.0
         excess = (1.0 + SHEARED * cell / across) ** 2 * (1.0 + SHEARED * longer) - 1.0
         if excess > EXCESS:
