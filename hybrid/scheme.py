@@ -155,7 +155,7 @@ class Scheme:
         return second + (algorithmic - second) / ratio
 
     def carried(self, second, algorithmic, other):
-        """a_n of this scheme from that of an `other` one, of a smooth motion with v̇_n: it is v̇ of αf - αm steps earlier."""
+        """a_n of this scheme from that of an `other` one, of a smooth motion with v̇_n: v̇ of αf - αm steps earlier."""
         return second + (self.alpha_f - self.alpha_m) / (other.alpha_f - other.alpha_m) * (algorithmic - second)
 
     def __str__(self):

@@ -131,12 +131,13 @@ def _load_on(scene, soil, body):
 
 
 def _chord(material, load, radius):
-    """(Kind of soil, width [m] on which it carries a `load` [N/m]): a strip's in clay and in sand, Hertz's on elastic soil; 0
-    where it is not known."""
+    """(Kind of soil, width [m] on which it carries a `load` [N/m]): a strip's in clay and in sand, Hertz's on elastic soil;
+    0 where it is not known."""
     if material.law == CLAY:
         return "clay", load / (STRIP * material.strength) if material.strength else 0.0
     if material.law == "hencky":
-        return "elastic soil", 4.0 * np.sqrt(max(load, 0.0) * radius * (1.0 - material.poisson**2) / (np.pi * material.young))
+        compliance = (1.0 - material.poisson**2) / (np.pi * material.young)
+        return "elastic soil", 4.0 * np.sqrt(max(load, 0.0) * radius * compliance)
     if material.law not in SAND or not material.friction_angle:
         return "sand", 0.0
     weight = material.density * STANDARD_GRAVITY * weight_factor(material.friction_angle)

@@ -168,8 +168,8 @@ def pipes(scene, model):
 
 
 def clay_under(scene, soil, bottom, width, sand):
-    """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m] that carries less than
-    the Material of the `sand` by its own weight."""
+    """Whether there is clay within DEEP of a `width` [m] under a footing with its base at `bottom` [m] that carries less
+    than the Material of the `sand`."""
     lowest = max(bottom - DEEP * width, soil.grid.extent[2, 0])
     below = [material_at(scene, soil, height) for height in np.arange(bottom, lowest, -0.5 * soil.grid.resolution)]
     carried = strip_pressure(sand, width, abs(scene.gravity[2]))

@@ -11,8 +11,8 @@ from hybrid.scene.stage import table_rows
 PER_STEP = {False: 1.0, True: 0.5}
 REACHED = 1e-3      # of the largest value of a table: what may be missing from its last row when its stage ends
 SHORT, LATE = 0.5, 0.01     # of a step and of a stage: a table that ends so much later ends with its stage
-# Share of a mass that the scheme adds to it, in a load that swings so often; a block on soil, shaken at its natural frequency
-# in 30 steps a period, 4 %, had 20 % too little after eight periods, 3 % with 60
+# Share of a mass that the scheme adds to it, in a load that swings so often; a block on soil, shaken at its natural
+# frequency in 30 steps a period, 4 %, had 20 % too little after eight periods, 3 % with 60
 HEAVIER, SWINGS = 0.03, 2.0
 FINE = 1 / 36       # of a period: a step in which that is less
 TIMES = 10000       # of a stage at which a table is looked at

@@ -108,7 +108,8 @@ def _deepest(scene, model, number, place):
     pivot = centre + rotation @ hinges[0].points[0] if hinges else centre
     found = [place]
     for axis in range(2):
-        ends = np.cumsum([0.0, *(turn for stage in scene.stages for turn in _turn_of(scene, stage, scene.bodies[number], axis))])
+        turns = [_turn_of(scene, stage, scene.bodies[number], axis) for stage in scene.stages]
+        ends = np.cumsum([0.0, *(turn for stage in turns for turn in stage)])
         for angle in np.linspace(ends.min(), ends.max(), ANGLES) if np.ptp(ends) else ():
             found.append(pivot + (place - pivot) @ exp_so3(angle * np.eye(3)[axis]).T)
     return min(found, key=lambda each: each[:, 2].min())
