@@ -42,10 +42,10 @@ def returning_waves(scene, model):
         back, lasts = 2.0 * way / speed, max(swings)
         if back < lasts:
             yield (f"{body.name} swings for {lasts:.3g} s, and its waves come back from the end of the soil at {name} = "
-                   f"{end:.4g} m after {back:.2g} s, as no end of the grid lets them through: a shaken strip moved by 40 % "
-                   "too little to 30 % too much with 6 widths of soil beside it, up to twice as much with 3. Where the "
-                   f"ground goes on, give the soil {0.5 * lasts * speed:.3g} m on each side and below, in cells that grow outwards, or look at "
-                   "the time before that only")
+                   f"{end:.4g} m after {back:.2g} s, as no end of the grid lets them through: a shaken strip moved by "
+                   "40 % too little to 30 % too much with 6 widths of soil beside it, up to twice as much with 3. Where "
+                   f"the ground goes on, give the soil {0.5 * lasts * speed:.3g} m on each side and below, in cells that "
+                   "grow outwards, or look at the time before that only")
 
 
 def _wave_speed(soil):
