@@ -37,6 +37,7 @@ ON_FACE = 1e-6      # of the radius, between a place and the face that it is on
 INSIDE = 2e-3       # of the size: what begins deeper in the ground, or beside it, is left to points of the ground
 TURN = np.radians(6.0)          # between normals of neighbours in SurfacePoints
 STRAIGHT = 1e-9     # [rad] by which a profile bends at a point on a straight stretch
+PLANE = 1e-5        # of the rise of heights on a grid, by which they differ from a plane
 SIDES = (0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)      # triangles of bottom and top of a block, by its corners
 
 
@@ -135,14 +136,16 @@ def _block(low, high, collapsed, far):
 
 def _stretches(soil, body, motion):
     """[(low, high (3,) [m], pose)] of the straight stretches of the ground that are as long as a body, by the ends of each
-    in its own frame, as in Stretch: all of it where it is level, else those of a profile. Where a plane of symmetry
-    crosses a profile, only level ones go on beyond it."""
+    in its own frame, as in Stretch: all of it where it is plane, else those of a profile. Where a plane of symmetry
+    crosses a slope, it does not go on beyond it."""
     low, high = _ends(soil)
     if soil.heights is None:
         return [(low, high, AT_REST)]
     (x, y, z), top = soil.heights
     if y is not None:
-        return [(low, np.array([*high[:2], min(z.min(), top)]), AT_REST)] if np.ptp(np.minimum(z, top)) == 0.0 else []
+        if np.ptp(np.minimum(z, top)) == 0.0:
+            return [(low, np.array([*high[:2], min(z.min(), top)]), AT_REST)]
+        return _slope(x, y, z, low, high) if z.max() <= top and not body.mirrors else []
     mirrored, least = any(mirror.axis == "x" for mirror in body.mirrors), np.ptp(rigid.bounding_box(body, motion)[:, 0])
     found = []
     for (x0, z0), (x1, z1) in _straight(x, z, low[0], high[0]):
@@ -159,6 +162,24 @@ def _stretches(soil, body, motion):
         pose = np.array([x0, 0.0, z0]), np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
         found.append((np.array([0.0, low[1], low[2] - high[2]]), np.array([length, high[1], 0.0]), pose))
     return found
+
+
+def _slope(x, y, z, low, high):
+    """The one stretch of ground with heights z (a, b) [m] that lie in a plane, from `low` to `high` (3,) [m]; none of
+    others."""
+    along, across = (z[-1, 0] - z[0, 0]) / (x[-1] - x[0]), (z[0, -1] - z[0, 0]) / (y[-1] - y[0])
+    plane = z[0, 0] + along * (x - x[0])[:, None] + across * (y - y[0])
+    if np.abs(z - plane).max() > PLANE * np.ptp(z):
+        return []
+    first, last = (np.maximum([x[0], y[0]], low[:2]), np.minimum([x[-1], y[-1]], high[:2]))
+    up = np.array([-along, -across, 1.0]) / np.hypot(1.0, np.hypot(along, across))
+    ahead = np.array([1.0, 0.0, along]) / np.hypot(1.0, along)
+    rotation = np.column_stack([ahead, np.cross(up, ahead), up])
+    origin = np.array([*first, z[0, 0] + along * (first[0] - x[0]) + across * (first[1] - y[0])])
+    dx, dy = last - first
+    ends = np.array([[(a, b, along * a + across * b) for b in (0.0, dy)] for a in (0.0, dx)]) @ rotation   # its corners
+    inner = (ends[0, :, 0].max(), ends[:, 0, 1].max(), low[2] - high[2]), (ends[1, :, 0].min(), ends[:, 1, 1].min(), 0.0)
+    return [(*map(np.array, inner), (origin, rotation))]
 
 
 def _straight(x, z, first, last):
