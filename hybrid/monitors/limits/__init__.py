@@ -16,12 +16,12 @@ What limits share, each from the ones above it:
 
 from hybrid.monitors.limits import (bars, base, cells, clay_cells, contact, elastic_cells, footing_cells,
                                     ground_cells, guided, layers, margins, place, rolling, sand_cells, shear_gap, soil,
-                                    stages, stepping, trapdoors, turning, unsupported, waves)
+                                    stages, stepping, trapdoors, turning, uneven, unsupported, waves)
 from hybrid.monitors.limits.unjudged import unjudged
 from hybrid.scene.check_sense import sense_notes
 
 MODULES = (place, unsupported, soil, layers, contact, base, rolling, cells, bars, clay_cells, sand_cells, footing_cells,
-           trapdoors, ground_cells, elastic_cells, turning, guided, margins, shear_gap, stages, stepping, waves)
+           trapdoors, ground_cells, elastic_cells, turning, guided, margins, shear_gap, stages, stepping, waves, uneven)
 LIMITS = tuple(limit for module in MODULES for limit in module.LIMITS)
 
 

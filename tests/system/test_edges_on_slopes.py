@@ -1,0 +1,44 @@
+"""Bodies that slide on an edge over held ground given by heights on a grid."""
+
+import numpy as np
+import pytest
+from limit_texts import limit_texts
+
+from hybrid.monitors.limits import LIMITS, uneven
+from hybrid.scene import Axis, Grid, Stage
+from hybrid.setup.build import build
+from hybrid.study.scenes import box, elastic, scene
+
+G = 9.81
+
+
+def edge_down(folder, slopes, bend=0.0, turn=(0.0, 1.0, 0.0, 45.0), steps=20, **body):
+    """A smooth cube of 0.4 m, turned by 45 degrees, on a plane that falls with `slopes` along x and y, or is bent."""
+    x, y = np.linspace(-1.5, 1.5, 13), np.linspace(-1.0, 1.0, 9)
+    rows = [(a, b, -slopes[0] * a - slopes[1] * b + bend * a**2) for a in x for b in y]
+    path = folder / "heights.csv"
+    np.savetxt(path, rows, fmt="%.7f", delimiter=",", header="x,y,z", comments="")
+    cube = box(0.4, 0.4, 0.4, name="cube", position=(-0.4, 0.0, 0.0), rotation=turn, rest_on="ground",
+               **{"held": ("rx", "ry", "rz"), **body})
+    grid = Grid(Axis(-1.5, 1.5, 0.1), Axis(-1.0, 1.0, 0.1), Axis(-1.6, 1.4, 0.1))
+    return scene("slope", grid, elastic(5e7), [cube], 0.01, [Stage("slide", steps)],
+                 {"held": True, "top": 1.2, "ground": path}, gravity=(0.0, 0.0, -G))
+
+
+@pytest.mark.parametrize("slopes", [(0.36, 0.0), (0.0, 0.36), (0.3, 0.2), (-0.3, 0.2)])
+def test_a_smooth_edge_slides_down_a_plane_in_any_direction(slopes, tmp_path):
+    """Between points of the ground it caught, and stood."""
+    simulation = build(edge_down(tmp_path, slopes))
+    list(simulation.steps())
+    fall = np.array([*slopes, -slopes[0]**2 - slopes[1]**2]) / (1.0 + slopes[0]**2 + slopes[1]**2)
+    np.testing.assert_allclose(simulation.state.bodies[0].velocity, 0.2 * G * fall, atol=5e-3)
+
+
+@pytest.mark.parametrize("given, told", [
+    ({"slopes": (0.3, 0.0), "bend": 0.1}, True), ({"slopes": (0.3, 0.1)}, False), ({"slopes": (0.0, 0.0)}, False),
+    ({"slopes": (0.3, 0.0), "bend": 0.1, "penalty": 100.0}, False),
+    ({"slopes": (0.3, 0.0), "bend": 0.1, "held": ("x", "y", "z", "rx", "ry", "rz")}, False)])
+def test_edges_on_ground_that_bends_are_told(given, told, tmp_path):
+    found = limit_texts(uneven.edges_on_bends, edge_down(tmp_path, **given))
+    assert len(found) == told and all("heights on a grid that are no plane" in text for text in found)
+    assert uneven.edges_on_bends in LIMITS
