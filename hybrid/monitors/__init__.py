@@ -3,7 +3,7 @@
 | monitor          | warns that                                                              |
 |------------------|-------------------------------------------------------------------------|
 | DomainExit       | a body leaves the grid; stops the run where nothing drives it there     |
-| GridEnd          | soil spreads to an end of the grid, which holds it, without inertia     |
+| GridEnd          | soil spreads to an end of the grid, which holds it                      |
 | LostContact      | nothing; stops a run in which a body falls beside or through the soil   |
 | LostPoints       | points are inactive, detached from the soil, or distorted               |
 | MissedContact    | a body is inside the soil, between contact points, and has no contact   |

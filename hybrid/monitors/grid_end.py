@@ -1,8 +1,9 @@
-"""Soil that spreads until it reaches an end of the grid where rollers or fixed nodes hold it, without inertia.
+"""Soil that spreads until it reaches an end of the grid where rollers or fixed nodes hold it.
 
 A specimen of clay, 0.5 m of a half model in cells of 0.125 m, pressed together with 0.25 m of empty grid beside it: its load
-was right until it had spread to the last cell, then 11 times too large after 3 % more. With inertia soil runs out, and
-an end of the grid that it meets is a wall that is meant.
+was right until it had spread to the last cell, then 11 times too large after 3 % more. With inertia soil that runs out
+stops there, which may be a wall that is meant: a column of clay 2 m high came to rest at the end of the grid, 4 m away,
+and ran 0.9 m farther on a longer one.
 """
 
 import numpy as np
@@ -25,16 +26,17 @@ class GridEnd(Monitor):
 
     def warnings(self, view):
         """Time, place and remedy."""
-        if view.scheme.inertia or not any(self._apart):
+        if not any(self._apart):
             return
         grid = view.model.soil.grid
         for apart, ((axis, side), (gap, cell)) in zip(self._apart, _gaps(grid, view.state.points)):
             if apart and gap < cell and grid.extent[axis, side] == self._extent[axis][side]:
                 name, end = "xy"[axis], ("start", "end")[side]
+                wrong = "it runs no farther" if view.scheme.inertia else "forces are too large"
                 yield (axis, side), (
                     f"soil has spread to the last cell before the end of the grid at {name} = "
                     f"{grid.extent[axis, side]:.4g} m at t = {view.state.time:.4g} s, and is held there from now on, which "
-                    f"it was not at the start: forces are too large. Move grid.{name}.{end} outwards, unless that is a wall")
+                    f"it was not at the start: {wrong}. Move grid.{name}.{end} outwards, unless that is a wall")
 
 
 def _holds(grid, axis, side):
