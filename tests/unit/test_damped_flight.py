@@ -8,10 +8,10 @@ from hybrid.monitors import DampedFlight, StepView
 from hybrid.scheme import Scheme
 
 
-def notes(errors, kinetic=10.0, touching=(), held=True, line=None, scheme=None):
+def notes(errors, kinetic=10.0, touching=(), held=True, line=None, scheme=None, joints=("pin",)):
     """Of steps with these errors of the balance [J], of which those numbered `touching` have contact."""
     body = SimpleNamespace(line=line)
-    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=held))
+    model = SimpleNamespace(bodies=(body,), soil=SimpleNamespace(held=held), joints=joints)
     monitor, found = DampedFlight(None, None), []
     for step, error in enumerate(errors, 1):
         report = SimpleNamespace(error=None, evaluation=SimpleNamespace(contacts=([0] * (step in touching),), pairs=None))
@@ -31,9 +31,11 @@ def test_energy_that_bodies_in_flight_lose_is_told_with_its_share():
 
 
 @pytest.mark.parametrize("errors, more", [
-    (FADES[:10], {}), ([-value for value in FADES], {}), (FADES, {"touching": range(5, 20, 5)}), (FADES, {"held": False}),
+    (FADES[:10], {}), (FADES, {"joints": ()}), ([0.0] * 9 + [-1.5] * 9 + [-3.0] * 9, {}),
+    ([-value for value in FADES], {}), (FADES, {"touching": range(5, 20, 5)}), (FADES, {"held": False}),
     (FADES, {"line": "a line"}), (FADES, {"scheme": Scheme(inertia=False)}),
     (FADES, {"scheme": Scheme.newmark(0.5625, 1.0)})])
 def test_other_losses_are_not(errors, more):
-    """Little; a gain; contact a moment ago; soil that deforms; a line; no inertia; a scheme of first order."""
+    """Little; free bodies; impacts within a step; a gain; contact a moment ago; soil that deforms; a line; no inertia; a
+    scheme of first order."""
     assert notes(errors, **more) == []
