@@ -23,7 +23,7 @@ class Joint:
     name: str = key("label of the joint in the output")
     kind: Literal["hinge", "ball", "weld", "rod", "line"] = key(
         "hinge: one rotation is left; ball: all rotations; weld: none; rod: two points keep their distance; line: they "
-        "come no farther apart than its length", words=KIND_WORDS)
+        "come no farther apart than its length, straight through whatever is between them", words=KIND_WORDS)
     bodies: tuple[str, ...] = key("names of two bodies, or of one that is joined to the ground")
     point: str | Vector = key("where the first body is joined: name of a physical point of its geometry, or three "
                               "coordinates of that geometry", "m")
