@@ -170,3 +170,12 @@ def _add_arms(out, arms, force):
     """Add the derivative of the moments s × F of a constant force on both arms."""
     out[3:6, 3:6] += skew(force) @ skew(arms[0])
     out[9:12, 9:12] -= skew(force) @ skew(arms[1])
+
+
+def connected(numbers, joints):
+    """The `numbers` of bodies, a set, and those of all that joints connect with them, over any others but the ground."""
+    while True:
+        more = {n for joint in joints if numbers.intersection(joint.bodies) for n in joint.bodies if n is not None}
+        if more <= numbers:
+            return numbers
+        numbers = numbers | more

@@ -13,6 +13,7 @@ joints connect with it, count as its own: under 60 kN through a block on it, a s
 
 import numpy as np
 
+from hybrid.body.joints import connected
 from hybrid.laws.user import is_of_user
 from hybrid.laws.von_mises import BEARING
 from hybrid.runtime.comm import minimum
@@ -41,19 +42,10 @@ def carried_by_each(placed, joints, soil):
     boxes = [_box(*each) for each in placed]
     top = extent(soil.constants, 2)[1] + FLUSH * soil.grid.smallest_cell
     feet = {number for number, (low, _) in enumerate(boxes) if low[2] <= top}
-    carried = [_connected(number, joints) | _above(number, placed, boxes) for number in range(len(placed))]
+    carried = [connected({number}, joints) | _above(number, placed, boxes) for number in range(len(placed))]
     feet_under = [sum(other in carried[foot] for foot in feet) for other in range(len(placed))]
     return [[(*placed[other], 1.0 / max(feet_under[other], 1)) for other in sorted(found - feet - {number})]
             for number, found in enumerate(carried)]
-
-
-def _connected(number, joints):
-    """Numbers of the bodies that joints connect with one, and its own."""
-    found, pairs = {number}, [set(joint.bodies) - {None} for joint in joints]
-    for _ in pairs:
-        for pair in pairs:
-            found |= pair if found & pair else set()
-    return found
 
 
 def _above(number, placed, boxes):

@@ -12,9 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from hybrid.body.joints import connected
 from hybrid.runtime.comm import anywhere
 
-AFTER = 3
+AFTER = 3       # increments
 
 
 def with_schemes(model, bodies, pairs):
@@ -22,19 +23,25 @@ def with_schemes(model, bodies, pairs):
     one another."""
     if model.scheme.in_flight is None:
         return bodies
-    near = joined_to(model, {body.number for body in bodies if body.target is not None or anywhere([len(body.pair.points)])}
-                     | _near_bodies(pairs))
+    near = connected({body.number for body in bodies if body.target is not None or anywhere([len(body.pair.points)])}
+                     | _near_bodies(pairs), model.joints)
     return tuple(_with_scheme(body, model.scheme, body.number not in near) for body in bodies)
+
+
+def flies_on(scheme, motion):
+    """Whether a body with a BodyState has been apart for so long that its motion is smooth."""
+    return scheme.in_flight is not None and motion.apart >= AFTER
 
 
 def hit(step, evaluation):
     """Numbers of the bodies of a Step that began it in flight and touch another one in an Evaluation, with all that joints
     connect to them."""
+    if not step.pairs:
+        return set()
     flying = {body.number for body in step.bodies if body.scheme is not step.model.scheme}
-    touching = [one.pair.numbers for one, sides in zip(step.pairs.near, evaluation.pairs.contacts)
-                if any(len(side.active) for side in sides)] if step.pairs else []
-    found = flying.intersection(*[{number for numbers in touching for number in numbers}])
-    return joined_to(step.model, found)
+    touching = {number for one, sides in zip(step.pairs.near, evaluation.pairs.contacts)
+                if any(len(side.active) for side in sides) for number in one.pair.numbers}
+    return connected(flying & touching, step.model.joints)
 
 
 def landed(model, state, numbers):
@@ -63,12 +70,3 @@ def _near_bodies(pairs):
     """Numbers of bodies that touch another one, or are predicted to."""
     return {number for one in (pairs.near if pairs else ()) for number in one.pair.numbers
             if any(side.closes or side.touching.any() for side in one.sides)}
-
-
-def joined_to(model, numbers):
-    """The `numbers` of bodies and those that joints connect to them, also over others."""
-    while True:
-        more = {n for joint in model.joints if numbers.intersection(joint.bodies) for n in joint.bodies if n is not None}
-        if more <= numbers:
-            return numbers
-        numbers = numbers | more

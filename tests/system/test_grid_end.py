@@ -1,5 +1,5 @@
-"""Soil that spreads to an end of the grid is held there from then on, which is told; not where it was held from the start, or
-where nothing holds it."""
+"""Soil that spreads to an end of the grid is held there from then on, which is told; not where it was held from the
+start, or where nothing holds it."""
 
 from dataclasses import replace
 

@@ -76,7 +76,7 @@ def turned_over(scene, model):
     across = [axis for axis in range(2) if collapsed[axis] or not collapsed.any()]
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
         whole, place = outline(described, body, soil)
-        place = _deepest(scene, model, number, place)
+        place = _widest(scene, model, number, place)
         top, bottom = top_of(soil), place[:, 2].min()
         cell, base = soil.grid.resolution, place[place[:, 2] <= max(top, bottom) + ON_LINE * soil.grid.resolution]
         above_base = bottom > max(soil.grid.extent[2, 0] + cell, extent(soil.constants, 2)[0] - ON_LINE * cell)
@@ -97,22 +97,26 @@ def turned_over(scene, model):
                        f"drives the next cells too. {smaller_cells(EXCESS / excess * cell, ' at it')}")
 
 
-def _deepest(scene, model, number, place):
-    """`place` (V, 3) [m] of the vertices of a body where it is lowest on the way on which stages turn it about a hinge to
-    the ground, or about its held centre."""
+def _widest(scene, model, number, place):
+    """`place` (V, 3) [m] of the vertices of a body where most of it is in the soil on the way on which stages turn it about
+    a hinge to the ground, or about its held centre."""
+    def engaged(place):     # about an `axis`
+        below = place[place[:, 2] <= top_of(model.soil) + ON_LINE * model.soil.grid.resolution]
+        return max(np.ptp(below[:, 1 - axis]), top_of(model.soil) - below[:, 2].min()) if len(below) else -np.inf
+
     body = model.bodies[number]
     hinges = [joint for joint in model.joints if joint.bodies == (number, None) and joint.at_point]
     centre, rotation = initial_pose(scene.bodies[number], body)
     if not hinges and body.free[[0, 2]].any() and body.free[[1, 2]].any():
         return place
     pivot = centre + rotation @ hinges[0].points[0] if hinges else centre
-    found = [place]
     for axis in range(2):
         turns = [_turn_of(scene, stage, scene.bodies[number], axis) for stage in scene.stages]
         ends = np.cumsum([0.0, *(turn for stage in turns for turn in stage)])
-        for angle in np.linspace(ends.min(), ends.max(), ANGLES) if np.ptp(ends) else ():
-            found.append(pivot + (place - pivot) @ exp_so3(angle * np.eye(3)[axis]).T)
-    return min(found, key=lambda each: each[:, 2].min())
+        angles = np.linspace(ends.min(), ends.max(), ANGLES) if np.ptp(ends) else ()
+        turned = [pivot + (place - pivot) @ exp_so3(angle * np.eye(3)[axis]).T for angle in angles]
+        place = max([place, *turned], key=engaged)
+    return place
 
 
 def _turn_of(scene, stage, described, axis):
