@@ -189,7 +189,8 @@ def begin(model, state, dt, pulling, workspace):
 
     Raises StepError when a point has left the grid, or is detached and the run is to stop for it.
     """
-    state = joint_rates.engage_guides(model, for_increment(model.scheme, state, dt), dt)
+    state = joint_rates.along_joints(model, for_increment(model.scheme, state, dt), dt)
+    state = joint_rates.engage_guides(model, state, dt)
     soil, grid, points = None, model.soil.grid, state.points
     active, small_support = np.ones(grid.node_count, bool), None
     with phase("transfer"):
