@@ -32,8 +32,7 @@ than it is. The change of v is O(Δt²) here too. `hybrid.body.motion` describes
 
 The default of scenes is generalised alpha with ρ∞ = 0: the only one of these that is of second order and never lets
 contact throw a body back faster than it came, however short the contact (DESIGN.md). Bodies that are near nothing they
-could touch have ρ∞ = 0.5, which keeps their motion, but for time.accuracy: the rates of joined bodies are off by O(Δt²)
-along the joints, and a much shorter increment after that has accelerations of it over Δt, which ρ∞ = 0 forgets at once.
+could touch have ρ∞ = 0.5, which keeps their motion.
 
 Sources: J. Chung and G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375 (the parameters); M. Arnold and O. Brüls,
 Multibody Syst. Dyn. 18 (2007) 185-202 (the form with a); O. Brüls and A. Cardona, J. Comput. Nonlinear Dyn. 5 (2010)
@@ -67,9 +66,7 @@ class Scheme:
         if not time.inertia:
             return cls(inertia=False)
         if time.scheme == "generalised-alpha":
-            if time.spectral_radius is None and time.accuracy is None:
-                return cls.default()
-            return cls.generalised_alpha(time.spectral_radius or 0.0)
+            return cls.default() if time.spectral_radius is None else cls.generalised_alpha(time.spectral_radius)
         return cls.energy_momentum() if time.scheme == "energy-momentum" else cls.newmark(time.beta, time.gamma)
 
     @classmethod

@@ -35,8 +35,8 @@ class Time:
     gamma: float | None = key("γ of newmark; left out: 1/2, which damps nothing. First order for γ > 1/2", "-",
                               default=None)
     spectral_radius: float | None = key(
-        "share of the highest frequencies that remains after a step of generalised-alpha; left out: 0, and without "
-        "accuracy 0.5 of bodies near nothing that they could touch", "-",
+        "share of the highest frequencies that remains after a step of generalised-alpha; left out: 0, and 0.5 of bodies "
+        "near nothing that they could touch", "-",
         default=None, at_least=0, at_most=1, remedy="0 removes high frequencies in one step, 1 damps nothing")
     inertia: bool = key("false: quasi-static, no inertia of soil or body", default=True)
     smallest: float | None = key("increment below which a run stops; left out: a 64th of the outer step, with "

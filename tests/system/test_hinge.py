@@ -57,6 +57,16 @@ def test_a_pendulum_keeps_its_height(count, lost):
     assert count == 22 or "has taken" not in notes["nothing set"]
 
 
+@pytest.mark.parametrize("count", [20, 25])
+def test_a_pendulum_whose_first_step_is_long_finds_an_increment_short_enough_for_its_accuracy(count):
+    """Its velocity after that step is off along the hinge: to undo that in a short increment, it took an acceleration so
+    large that no increment met the accuracy."""
+    scene = pendulum(count, 1.6 / count)
+    records = list(build(replace(scene, time=replace(scene.time, accuracy=1e-3))).steps())
+    assert len(records) == count and sum(record.increments for record in records) < 250
+    assert abs(records[-1].energies["error"]) < 0.01 * max(record.energies["kinetic"] for record in records)
+
+
 def test_a_pendulum_that_swings_away_from_its_stop_is_free_again():
     """Pushed against the stop by a moment, then let go."""
     push = Load(moment=(0.0, -100.0, 0.0))
