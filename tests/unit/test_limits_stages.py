@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits.stages import coarse_swings, early_rows, long_increments, unreached_ends
+from hybrid.monitors.limits.stages import coarse_swings, early_rows, long_increments, missed_peaks, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -96,6 +96,15 @@ def test_rows_before_the_start_of_a_stage_are_reported(rows, noted):
     found = texts(early_rows, {"motions": (Motion(component="x", displacement=rows),)})
     assert bool(found) == noted
     assert not noted or "begins at -0.5 s, limit 0" in found[0] and "where it has 0.1 m already" in found[0]
+
+
+@pytest.mark.parametrize("peak, time, told", [(0.25, {}, True), (0.3, {}, False), (0.25, {"accuracy": 1e-3}, False)])
+def test_loads_that_peak_between_the_ends_of_steps_are_told(peak, time, told):
+    """In steps of 0.1 s."""
+    pulse = ((0.0, 5.0, 0.0, 0.0), (0.2, 5.0, 0.0, 0.0), (peak, 50.0, 0.0, 0.0), (0.31, 5.0, 0.0, 0.0))
+    found = texts(missed_peaks, {"loads": (Load(force=pulse),)}, time=time)
+    assert len(found) == told
+    assert not told or "peak, 50 N, at 0.25 s, between the ends of steps of 0.1 s" in found[0] and "12.5 N is" in found[0]
 
 
 @pytest.mark.parametrize("motion", [
