@@ -21,10 +21,10 @@ AFTER = 3       # increments
 def with_schemes(model, bodies, pairs):
     """BodySteps of an increment, with the scheme for flight where they fly. pairs: PairsStep, None where bodies do not touch
     one another."""
-    if model.scheme.in_flight is None:
+    if model.scheme.in_flight is None or not bodies:
         return bodies
     near = connected({body.number for body in bodies if body.target is not None or anywhere([len(body.pair.points)])}
-                     | _near_bodies(pairs), model.joints)
+                     | _near_bodies(pairs, bodies[0].begin == 0.0), model.joints)
     return tuple(_with_scheme(body, model.scheme, body.number not in near) for body in bodies)
 
 
@@ -66,7 +66,8 @@ def _carried(motion, scheme, apart):
     return replace(motion, apart=min(motion.apart, AFTER) + 1 if apart else 0)
 
 
-def _near_bodies(pairs):
-    """Numbers of bodies that touch another one, or are predicted to."""
+def _near_bodies(pairs, first):
+    """Numbers of bodies that touch another one, or are predicted to; in the `first` increment of a run, in which bodies that
+    rest on one another do not press yet, of those that are near another one."""
     return {number for one in (pairs.near if pairs else ()) for number in one.pair.numbers
-            if any(side.closes or side.touching.any() for side in one.sides)}
+            if any(side.closes or side.touching.any() or first and len(side.start) for side in one.sides)}

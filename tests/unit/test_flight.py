@@ -15,16 +15,16 @@ SCHEME = Scheme.default()
 ZERO = np.zeros(3)
 
 
-def steps(near, apart=(flight.AFTER,) * 3, joints=(), pairs=(), scheme=SCHEME, target=None):
+def steps(near, apart=(flight.AFTER,) * 3, joints=(), pairs=(), scheme=SCHEME, target=None, begin=1.0):
     """BodySteps of three bodies, of which those numbered `near` have contact points within reach."""
     model = SimpleNamespace(scheme=scheme, joints=[SimpleNamespace(bodies=pair) for pair in joints])
     bodies = []
     for number, before in enumerate(apart):
         state = BodyState(ZERO, np.eye(3), ZERO, np.ones(3), ZERO, np.ones(3), algorithmic=np.full(6, 0.9), apart=before)
         pair = SimpleNamespace(points=np.zeros(int(number in near)))
-        bodies.append(BodyStep(number, None, state, target, pair, None, None, None, ZERO, scheme, 0.1))
+        bodies.append(BodyStep(number, None, state, target, pair, None, None, None, ZERO, scheme, 0.1, begin))
     around = SimpleNamespace(near=[SimpleNamespace(
-        sides=[SimpleNamespace(closes=closes, touching=np.array([touching]))], pair=SimpleNamespace(numbers=numbers))
+        sides=[SimpleNamespace(closes=closes, touching=np.array([touching]), start=np.zeros((1, 3)))], pair=SimpleNamespace(numbers=numbers))
         for numbers, closes, touching in pairs])
     return flight.with_schemes(model, bodies, around if pairs else None)
 
@@ -39,6 +39,7 @@ def flying(found):
     ({"near": []}, [0, 1, 2]), ({"near": [1]}, [0, 2]),
     ({"near": [], "pairs": [((0, 2), True, False)]}, [1]), ({"near": [], "pairs": [((0, 2), False, True)]}, [1]),
     ({"near": [], "pairs": [((0, 2), False, False)]}, [0, 1, 2]),
+    ({"near": [], "pairs": [((0, 2), False, False)], "begin": 0.0}, [1]),
     ({"near": [1], "joints": [(0, 1), (2, None)]}, [2]), ({"near": [0], "joints": [(1, 2), (0, 1)]}, []),
     ({"near": [], "target": ZERO}, []), ({"near": [], "apart": (0, 2, 4)}, [2])])
 def test_bodies_near_nothing_fly(given, expected):
