@@ -24,7 +24,8 @@ def steps(near, apart=(flight.AFTER,) * 3, joints=(), pairs=(), scheme=SCHEME, t
         pair = SimpleNamespace(points=np.zeros(int(number in near)))
         bodies.append(BodyStep(number, None, state, target, pair, None, None, None, ZERO, scheme, 0.1, begin))
     around = SimpleNamespace(near=[SimpleNamespace(
-        sides=[SimpleNamespace(closes=closes, touching=np.array([touching]), start=np.zeros((1, 3)))], pair=SimpleNamespace(numbers=numbers))
+        sides=[SimpleNamespace(closes=closes, touching=np.array([touching]), start=np.zeros((1, 3)))],
+        pair=SimpleNamespace(numbers=numbers))
         for numbers, closes, touching in pairs])
     return flight.with_schemes(model, bodies, around if pairs else None)
 
