@@ -67,6 +67,18 @@ def test_a_pendulum_whose_first_step_is_long_finds_an_increment_short_enough_for
     assert abs(records[-1].energies["error"]) < 0.01 * max(record.energies["kinetic"] for record in records)
 
 
+def test_a_carriage_that_a_point_guides_loses_nothing_where_increments_are_shortened():
+    """A bar hangs on it, whose increments follow from an accuracy."""
+    scene = joined([arm("carriage", 0.4, 0.0), arm("bar", 0.6, 0.3)],
+                   [Joint("pin", "hinge", ("carriage", "bar"), (0.0, 0.0, CENTRE), axis=(0.0, 1.0, 0.0))], 20, 0.05)
+    guides = (Motion(body="carriage", held=("rx", "ry", "rz")),
+              *(Motion(body="carriage", point=(0.0, 0.0, CENTRE), held=(axis,)) for axis in "yz"),
+              Motion(body="carriage", point=(0.0, 0.0, CENTRE), component="x", velocity=0.5))
+    scene = replace(scene, time=replace(scene.time, accuracy=1e-3), stages=(Stage("go", 20, motions=guides),))
+    records = list(build(scene).steps())
+    assert abs(records[-1].energies["error"]) < 0.02 * max(record.energies["kinetic"] for record in records)
+
+
 def test_a_pendulum_that_swings_away_from_its_stop_is_free_again():
     """Pushed against the stop by a moment, then let go."""
     push = Load(moment=(0.0, -100.0, 0.0))
