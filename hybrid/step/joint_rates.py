@@ -184,7 +184,8 @@ def released(model, state, guides):
 def along_joints(model, state, dt):
     """`state` at the start of an increment of `dt` [s] that is much shorter than the last one: with velocities that joints
     allow. They are off by what is of second order in that one, and to undo it in this one would take accelerations that no
-    force causes, so that no increment were short enough for time.accuracy. Where points are guided `engage_guides` does so."""
+    force causes, so that no increment were short enough for time.accuracy. Where points are guided `engage_guides` does
+    so."""
     if not model.joints or model.guides or not model.scheme.inertia or dt > SHORTER * state.increment:
         return state
     always = ~np.isfinite(rows_of(model)[0]).any(axis=1)
