@@ -24,7 +24,8 @@ class DampedFlight(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._lost = self._largest = self._error = 0.0      # [J]
+        # energies lost, largest kinetic one, error of the balance and work of stops at the last step
+        self._lost = self._largest = self._error = self._stop = 0.0     # [J]
         self._free = 0      # steps without contact of what moves
 
     def warnings(self, view):
@@ -34,7 +35,8 @@ class DampedFlight(Monitor):
             return
         self._largest = max(self._largest, view.energy["kinetic"])
         change, self._error = view.energy["error"] - self._error, view.energy["error"]
-        quiet = abs(change) <= AT_ONCE * self._largest and self._rest(view)
+        engaged, self._stop = view.energy.get("stop", 0.0) != self._stop, view.energy.get("stop", 0.0)
+        quiet = abs(change) <= AT_ONCE * self._largest and not engaged and self._rest(view)
         self._free = self._free + 1 if quiet else 0
         if self._free > AFTER:
             self._lost -= change

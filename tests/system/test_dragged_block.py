@@ -2,7 +2,6 @@
 of contact points: friction is μ N in every step, whichever points bear it."""
 
 import numpy as np
-import pytest
 
 from hybrid.contact import contact_points
 from hybrid.scene import Axis, Faces, Grid, Material, Motion, Scene, Soil, Stage, Time
@@ -29,7 +28,6 @@ def test_friction_does_not_depend_on_which_points_bear_a_block():
     np.testing.assert_allclose(friction(0.125, 0.015, 9), 1.0, atol=2e-3)
 
 
-@pytest.mark.slow
 def test_anchored_at_the_end_of_their_path_they_would_have_none(monkeypatch):
     find = contact_points.predicted_contact_points
 

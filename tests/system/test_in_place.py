@@ -97,13 +97,20 @@ def test_clay_that_just_touches_a_body_does_not_make_the_tangent_singular():
     assert record.bodies[0].contact_force[0] < -2.0 * 0.8 * 0.4 * 1e4
 
 
-@pytest.mark.slow
 def test_with_the_ramp_in_its_tangent_it_would(monkeypatch):
+    """Of a block in plane strain, pushed down by a quarter of a cell a step."""
+    block = Body(GEOMETRY / "box.geo", 1000.0, parameters={"length": 0.8, "width": 1.0, "height": 0.4, "size": 20.0},
+                 position=(0.0, 0.5, -1.0), held=("x", "ry"), driven=("z",), velocity=(0.0, 0.0, 0.05), adhesion=0.5)
+    grid = Grid(Axis(-2.4, 2.4, 0.2), Axis(0.0, 1.0, collapsed=True), Axis(-2.6, 0.4, 0.2), Faces(z_min="fixed"))
+    scene = Scene(name="block", grid=grid, soil=Soil(replace(CLAY, density=1.0), top=0.0), gravity=(0.0, 0.0, 0.0),
+                  bodies=(block,), time=Time(1.0, inertia=False), stages=(Stage("push", 1),))
+    record, = build(scene).steps()
+    assert record.increments == 1 and record.iterations < 25
     derivative = assembly.derivative
     monkeypatch.setattr(assembly, "derivative", lambda contact, kind: derivative(
         contact, assembly.Tangent.UNSOFTENED if kind is assembly.Tangent.DEFINITE else kind))
-    record, = pile().steps()
-    assert record.increments > 1 and record.iterations > 25
+    record, = build(scene).steps()
+    assert record.increments > 1 and record.iterations > 30
 
 
 @pytest.mark.parametrize("place, asks", [(-0.05, True), (-0.15, True), (-0.4, False), (-1.0, False), (0.0, None)])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits.stages import coarse_swings, early_rows, long_increments, missed_peaks, unreached_ends
+from hybrid.monitors.limits.stages import coarse_swings, early_rows, long_increments, missed_changes, unreached_ends
 from hybrid.scene import Load, Material, Motion, Stage, Time
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, soil_scene
@@ -98,13 +98,17 @@ def test_rows_before_the_start_of_a_stage_are_reported(rows, noted):
     assert not noted or "begins at -0.5 s, limit 0" in found[0] and "where it has 0.1 m already" in found[0]
 
 
-@pytest.mark.parametrize("peak, time, told", [(0.25, {}, True), (0.3, {}, False), (0.25, {"accuracy": 1e-3}, False)])
-def test_loads_that_peak_between_the_ends_of_steps_are_told(peak, time, told):
-    """In steps of 0.1 s."""
-    pulse = ((0.0, 5.0, 0.0, 0.0), (0.2, 5.0, 0.0, 0.0), (peak, 50.0, 0.0, 0.0), (0.31, 5.0, 0.0, 0.0))
-    found = texts(missed_peaks, {"loads": (Load(force=pulse),)}, time=time)
-    assert len(found) == told
-    assert not told or "peak, 50 N, at 0.25 s, between the ends of steps of 0.1 s" in found[0] and "12.5 N is" in found[0]
+@pytest.mark.parametrize("rows, given, told", [
+    (((0.0, 0.0), (0.22, 0.0), (0.25, 50.0), (0.28, 0.0)), {}, "an impulse, in N s, of 0 there, and of 1.5 by its rows"),
+    (((0.0, 0.0), (0.19, 0.0), (0.2, 50.0), (0.21, 0.0)), {}, "of 5 there, and of 0.5 by"),
+    (((0.0, 50.0), (0.02, 0.0)), {}, "of 2.5 there, and of 0.5 by"),
+    (((0.0, 0.0), (0.22, 0.0), (0.25, 50.0), (0.28, 0.0)), {"inertia": False}, "a peak, in N, of 0 there, and of 50 by"),
+    (((0.0, 0.0), (0.5, 50.0), (1.0, 50.0)), {}, ""), (((0.0, 50.0), (1.0, 50.0)), {}, ""),
+    (((0.0, 0.0), (0.25, 50.0), (1.0, 50.0)), {}, ""), (((0.0, 0.0), (0.25, 50.0), (1.0, 50.0)), {"inertia": False}, "")])
+def test_loads_that_change_between_the_ends_of_steps_are_told(rows, given, told):
+    """In ten steps of 0.1 s: pulses, a blast; not ramps."""
+    found = texts(missed_changes, {"loads": (Load(force=tuple((t, f, 0.0, 0.0) for t, f in rows)),)}, time=given)
+    assert len(found) == bool(told) and all(told in text for text in found)
 
 
 @pytest.mark.parametrize("motion", [
