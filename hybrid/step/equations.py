@@ -208,8 +208,7 @@ def begin(model, state, dt, pulling, workspace):
 
 
 def for_increment(scheme, state, dt):
-    """`state` with the algorithmic accelerations that keep what impulses have yet to give in an increment of `dt` [s]; those
-    of bodies in flight, whose motion is smooth, are v̇ of a time before that changes as the increment does."""
+    """`state` with the algorithmic accelerations that keep what impulses have yet to give in an increment of `dt` [s]."""
     ratio = dt / state.increment if state.increment else 1.0
     if ratio == 1.0 or not scheme.auxiliary:
         return state
@@ -221,8 +220,7 @@ def for_increment(scheme, state, dt):
         points = replace(points, affine=affine,
                          algorithmic=scheme.following(points.acceleration, points.algorithmic, ratio))
     bodies = [body if body.algorithmic is None else replace(body, algorithmic=scheme.following(
-        np.concatenate([body.acceleration, body.spin_rate]), body.algorithmic,
-        1.0 / ratio if flight.flies_on(scheme, body) else ratio)) for body in state.bodies]
+        np.concatenate([body.acceleration, body.spin_rate]), body.algorithmic, ratio)) for body in state.bodies]
     return replace(state, points=points, bodies=bodies)
 
 

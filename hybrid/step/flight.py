@@ -28,11 +28,6 @@ def with_schemes(model, bodies, pairs):
     return tuple(_with_scheme(body, model.scheme, body.number not in near) for body in bodies)
 
 
-def flies_on(scheme, motion):
-    """Whether a body with a BodyState has been apart for so long that its motion is smooth."""
-    return scheme.in_flight is not None and motion.apart >= AFTER
-
-
 def hit(step, evaluation):
     """Numbers of the bodies of a Step that began it in flight and touch another one in an Evaluation, with all that joints
     connect to them."""
