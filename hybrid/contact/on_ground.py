@@ -32,6 +32,7 @@ from hybrid.state import ContactHistory
 
 AT_REST = np.zeros(3), np.eye(3)    # pose of level ground
 OF_BODY = -1                        # number of the soil point in the history of a place on the body
+FLUSH = 1e-6        # of a stretch: a body that ends with it is over it
 LOWEST = 1.6e-3                     # of the spacing: height over the lowest place up to which a body stands on others too
 ROLLS = np.cos(np.radians(8.0))     # of a curved face that lies on the ground: between its normal there and downwards
 
@@ -54,17 +55,23 @@ class PlacesOverPlane:
 @dataclass(frozen=True, eq=False)
 class Stretch:
     """A straight stretch of the ground, or all of it: side: places of a body, a, on the ground, b; low, high: (3,) [m] its
-    ends in its own frame, whose z is upright on it; pose: (origin (3,) [m], rotation (3, 3)) of that frame in space."""
+    ends in its own frame, whose z is upright on it; pose: (origin (3,) [m], rotation (3, 3)) of that frame in space; within:
+    (2, 2) [m] its ends along x and y in space, where these are no rectangle in its frame."""
 
     side: Side
     low: np.ndarray
     high: np.ndarray
     pose: tuple = AT_REST
+    within: np.ndarray | None = None
 
     def contains(self, place, collapsed):
         """Whether all places (V, 3) [m] are over it."""
+        slack = FLUSH * (self.high - self.low)
+        if self.within is not None:
+            low, high = self.within + np.array([-slack[:2], slack[:2]])
+            return bool(((place[:, :2] > low) & (place[:, :2] < high)).all())
         place = (place - self.pose[0]) @ self.pose[1]
-        return bool(((place > self.low) & (place < self.high) | collapsed)[:, :2].all())
+        return bool(((place > self.low - slack) & (place < self.high + slack) | collapsed)[:, :2].all())
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from hybrid.runtime.comm import anywhere
 LOST = 0.1      # of the largest kinetic energy so far
 AFTER = 5       # steps after contact in which what an impact takes may still be missing
 AT_ONCE = 0.3   # of the same: more in one step is an impact that begins and ends in it, or a load that does
+PUSHED = 0.1    # of the same: work of a load in a step, by the trapezoidal rule, that may be wrong by as much as is lost
 RESTS = 0.01    # of the same: soil, or a body in contact, with less rests
 
 
@@ -24,8 +25,8 @@ class DampedFlight(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        # energies lost, largest kinetic one, error of the balance and work of stops at the last step
-        self._lost = self._largest = self._error = self._stop = 0.0     # [J]
+        # energies lost, largest kinetic one; error of the balance, and work of stops and loads, at the last step
+        self._lost = self._largest = self._error = self._stop = self._load = 0.0    # [J]
         self._free = 0      # steps without contact of what moves
 
     def warnings(self, view):
@@ -36,7 +37,9 @@ class DampedFlight(Monitor):
         self._largest = max(self._largest, view.energy["kinetic"])
         change, self._error = view.energy["error"] - self._error, view.energy["error"]
         engaged, self._stop = view.energy.get("stop", 0.0) != self._stop, view.energy.get("stop", 0.0)
-        quiet = abs(change) <= AT_ONCE * self._largest and not engaged and self._rest(view)
+        pushed, self._load = view.energy.get("load", 0.0) - self._load, view.energy.get("load", 0.0)
+        quiet = abs(change) <= AT_ONCE * self._largest and abs(pushed) <= PUSHED * self._largest and not engaged
+        quiet = quiet and self._rest(view)
         self._free = self._free + 1 if quiet else 0
         if self._free > AFTER:
             self._lost -= change

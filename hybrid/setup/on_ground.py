@@ -71,12 +71,14 @@ def ground_of(body, motion, soil, gravity):
         share = thickness / np.prod([np.ptp(surface.vertices @ axis) for axis in flat])
     samples = sample(surface, size / PLACES, width, CORNER * np.prod(sides), depth, flat, share / copies(across),
                      SMOOTH * SINKS * sides[0])
-    found = []
+    found, within = [], None
+    if soil.heights is not None and soil.heights[0][1] is not None and not across and stretches[0][2] is not AT_REST:
+        within = _table_ends(*soil.heights[0][:2], *_ends(soil))
     for low, high, pose in stretches:
         low, high = _beyond_mirrors((low, high), body.mirrors, FAR * size)
         block = _block(low, high, collapsed, FAR * size)
         places = samples.near(np.eye(3), np.zeros(3), block, np.inf)
-        found.append(Stretch(Side(0, 1, PlacesOverPlane(places, high[2]), block), low, high, pose))
+        found.append(Stretch(Side(0, 1, PlacesOverPlane(places, high[2]), block), low, high, pose, within))
     faces = _faces(samples, surface) if body.parts else None
     points = _surface_points(samples, surface, places) if surface.turning.any() else None
     return HeldGround(tuple(found), stiffness, collapsed, size / PLACES, faces, points)
@@ -145,7 +147,7 @@ def _stretches(soil, body, motion):
     if y is not None:
         if np.ptp(np.minimum(z, top)) == 0.0:
             return [(low, np.array([*high[:2], min(z.min(), top)]), AT_REST)]
-        return _slope(x, y, z, low, high) if z.max() <= top and not body.mirrors else []
+        return _slope(x, y, z, low, high, body.mirrors) if z.max() <= top else []
     mirrored, least = any(mirror.axis == "x" for mirror in body.mirrors), np.ptp(rigid.bounding_box(body, motion)[:, 0])
     found = []
     for (x0, z0), (x1, z1) in _straight(x, z, low[0], high[0]):
@@ -164,22 +166,28 @@ def _stretches(soil, body, motion):
     return found
 
 
-def _slope(x, y, z, low, high):
+def _slope(x, y, z, low, high, mirrors):
     """The one stretch of ground with heights z (a, b) [m] that lie in a plane, from `low` to `high` (3,) [m]; none of
-    others."""
+    others, nor where a plane of symmetry crosses the slope."""
     along, across = (z[-1, 0] - z[0, 0]) / (x[-1] - x[0]), (z[0, -1] - z[0, 0]) / (y[-1] - y[0])
     plane = z[0, 0] + along * (x - x[0])[:, None] + across * (y - y[0])
-    if np.abs(z - plane).max() > PLANE * np.ptp(z):
+    crossed = any(abs(across if mirror.axis == "y" else along) * np.ptp(x) > PLANE * np.ptp(z) for mirror in mirrors)
+    if crossed or np.abs(z - plane).max() > PLANE * np.ptp(z):
         return []
-    first, last = (np.maximum([x[0], y[0]], low[:2]), np.minimum([x[-1], y[-1]], high[:2]))
+    first, last = _table_ends(x, y, low, high)
     up = np.array([-along, -across, 1.0]) / np.hypot(1.0, np.hypot(along, across))
     ahead = np.array([1.0, 0.0, along]) / np.hypot(1.0, along)
     rotation = np.column_stack([ahead, np.cross(up, ahead), up])
-    origin = np.array([*first, z[0, 0] + along * (first[0] - x[0]) + across * (first[1] - y[0])])
-    dx, dy = last - first
-    ends = np.array([[(a, b, along * a + across * b) for b in (0.0, dy)] for a in (0.0, dx)]) @ rotation   # its corners
-    inner = (ends[0, :, 0].max(), ends[:, 0, 1].max(), low[2] - high[2]), (ends[1, :, 0].min(), ends[:, 1, 1].min(), 0.0)
-    return [(*map(np.array, inner), (origin, rotation))]
+    origin = np.array([first[0], 0.0, z[0, 0] + along * (first[0] - x[0]) - across * y[0]])
+    length = last[0] - first[0]
+    corners = np.array([(a, b, along * a + across * b) for a in (0.0, length) for b in (first[1], last[1])])
+    ends = [getattr(corners @ rotation, name)(axis=0)[:2] for name in ("min", "max")]
+    return [(np.array([*ends[0], low[2] - high[2]]), np.array([*ends[1], 0.0]), (origin, rotation))]
+
+
+def _table_ends(x, y, low, high):
+    """(2, 2) [m] first and last x and y of heights on a grid between the ends of the soil."""
+    return np.array([np.maximum([x[0], y[0]], low[:2]), np.minimum([x[-1], y[-1]], high[:2])])
 
 
 def _straight(x, z, first, last):

@@ -24,7 +24,9 @@ def edges_on_bends(scene, model):
             continue
         if initial_vertices(described, body)[:, 2].min() > top_of(soil) + body.radius:
             continue
-        pieces = "heights on a grid that are no plane" if y is not None else "no straight piece as long as it is"
+        pieces = "no straight piece as long as it is"
+        if y is not None:
+            pieces = "heights on a grid that " + ("fall across its plane of symmetry" if body.mirrors else "are no plane")
         yield (f"{body.name} has edges, and the ground under it has {pieces}: where it stands on an edge, that catches "
                "between places of the ground, so that it neither slides nor swings, however smooth it is. Right are bodies "
                "that lie on a face, and round ones. Give soil.ground in straight pieces longer than the body")

@@ -17,11 +17,11 @@ import numpy as np
 from hybrid.laws.hencky import BULK, SHEAR
 from hybrid.monitors.limits.stages import swinging_tables
 from hybrid.monitors.limits.start import outline, top_of
-from hybrid.runtime.comm import maximum
+from hybrid.runtime.comm import maximum, minimum
 from hybrid.soil.points import extent
 
-# Periods over the time to the end and back, above which soil follows as without inertia: a strip shaken in 19 of it moved by
-# as much, and by 1 % more with twice the soil beside it
+# Periods over the time of a shear wave to the end and back, above which soil follows as without inertia: a strip shaken in
+# 50 of that of a compression wave moved by as much, and by 1 % more with twice the soil beside it
 SLOW = 4.0
 BESIDE = 1.0        # cells of soil beside a body that cover it to the side
 
@@ -31,7 +31,7 @@ def returning_waves(scene, model):
     soil = model.soil
     if soil.held or not model.scheme.inertia or soil.law.parameters is None:
         return
-    speed = _wave_speed(soil)
+    speed, shear_speed = _wave_speeds(soil)
     for described, body in zip(scene.bodies, model.bodies):
         swings = [(scene.step_of(stage) * stage.steps, periods) for s, stage in enumerate(scene.stages)
                   for _, periods, _, name in swinging_tables(scene, s) if name in (None, described.name)]
@@ -43,8 +43,9 @@ def returning_waves(scene, model):
             continue
         way, name, end = min(ways)
         back = 2.0 * way / speed
-        lasts, periods = max(swings)
-        if back < lasts < SLOW * periods * back:
+        fast = [lasts for lasts, periods in swings if back < lasts < SLOW * periods * 2.0 * way / shear_speed]
+        if fast:
+            lasts = max(fast)
             yield (f"{body.name} swings for {lasts:.3g} s, and its waves come back from the end of the soil at {name} = "
                    f"{end:.4g} m after {back:.2g} s, as no end of the grid lets them through: a shaken strip moved by "
                    "40 % too little to 30 % too much with 6 widths of soil beside it, up to twice as much with 3. Where "
@@ -52,11 +53,11 @@ def returning_waves(scene, model):
                    "grow outwards, or look at the time before that only")
 
 
-def _wave_speed(soil):
-    """Largest speed [m/s] of a compression wave in the soil."""
+def _wave_speeds(soil):
+    """Largest speed [m/s] of compression waves in the soil, and smallest one of shear waves."""
     bulk, shear = soil.law.parameters[:, [BULK, SHEAR]].T
-    constants = soil.constants
-    return maximum(np.sqrt((bulk + 4.0 / 3.0 * shear) * constants.volume / constants.mass))
+    volume = soil.constants.volume / soil.constants.mass
+    return maximum(np.sqrt((bulk + 4.0 / 3.0 * shear) * volume)), minimum(np.sqrt(shear * volume))
 
 
 def _ways_to_ends(soil, body, place):
