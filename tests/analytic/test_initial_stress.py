@@ -9,6 +9,7 @@ is the thrust K0 ρ g H²/2, less the part on the fixed base: half of the lowest
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from hybrid.runtime.data import GEOMETRY
 from hybrid.runtime.errors import SceneError
 from hybrid.scene import Axis, Body, Faces, Grid, Layer, Material, Scene, Soil, Solver, Stage, Time
 from hybrid.setup.build import build
+from hybrid.simulation import Simulation
 from hybrid.step.equations import begin
 from hybrid.step.workspace import Workspace
 
@@ -264,3 +266,12 @@ def test_a_block_that_falls_freely_in_plane_strain_is_not_out_of_balance():
                   soil=Soil(SAND, lower=(0.25, 0.0, 1.0), upper=(0.75, 1.0, 1.5), geostatic=False),
                   time=Time(0.01), stages=(Stage("fall", 1),))
     assert build(scene).imbalance is None
+
+
+@pytest.mark.parametrize("start, inertia, expected", [
+    ({}, True, ()), ({}, False, ("hazard",)), ({"settled at the start": "by 1 mm"}, True, ("note",))])
+def test_check_tells_of_ground_that_did_not_settle_as_the_run_does(start, inertia, expected):
+    imbalance, scheme = SimpleNamespace(hazards=lambda: ["hazard"]), SimpleNamespace(inertia=inertia)
+    simulation = SimpleNamespace(imbalance=imbalance, start=start, _imbalance_notes=("note",),
+                                 model=SimpleNamespace(scheme=scheme))
+    assert Simulation._hazards.fget(simulation) == expected

@@ -349,6 +349,16 @@ def test_schemes_without_damping_and_velocities_against_a_joint_are_refused():
         build(replace(scene, bodies=(replace(scene.bodies[0], velocity=(1.0, 0.0, 0.0)),)))
 
 
+def test_without_inertia_a_body_welded_to_a_driven_one_follows_it():
+    """Velocities at the start, of which the follower can have none, mean nothing then."""
+    bodies = [arm("driver", 0.6, 0.0, driven=("x",), velocity=(0.1, 0.0, 0.0), held=("y", "z", "rx", "ry", "rz")),
+              arm("follower", 0.4, 0.5)]
+    weld = Joint("weld", "weld", ("follower", "driver"), (-0.2, 0.0, CENTRE))
+    simulation = build(joined(bodies, [weld], 2, 1.0, gravity=(0.0, 0.0, 0.0), time={"inertia": False}))
+    list(simulation.steps())
+    np.testing.assert_allclose(simulation.state.bodies[1].position, (0.7, 0.0, 5.0), atol=1e-9)
+
+
 def test_a_meshed_cylinder_spins_about_a_hinge_on_its_axis():
     """Its centre of mass is half a micrometre off the axis, which no choice of velocities cures."""
     wheel = Body(name="upper", geometry=GEOMETRY / "cylinder.geo", parameters={"radius": 0.3, "height": 0.2, "size": 0.08},

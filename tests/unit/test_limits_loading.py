@@ -301,3 +301,24 @@ def test_a_body_welded_to_one_that_is_driven_is_judged_as_that_one_is():
     simulation = build(replace(scene, bodies=(foot, mast), joints=(weld,), stages=(press,)))
     found = [(one.name, travel[2]) for one, travel, *_ in driven(simulation.scene, simulation.model)]
     assert found == [("strip", pytest.approx(-0.1))]
+
+
+@pytest.mark.parametrize("held, expected", [(("ry",), [-0.1]), ((), [])])
+def test_a_body_that_a_point_drives_counts_as_driven_where_it_cannot_turn(held, expected):
+    """And not as one that the point pushes as well."""
+    press = Stage("press", 10, motions=(Motion(component="z", velocity=-0.01, point=(0.0, 0.5, 0.5)),))
+    scene = described(press, material=CLAY)
+    scene = replace(scene, bodies=(replace(scene.bodies[0], driven=(), held=held),))
+    simulation = build(scene)
+    assert [travel[2] for _, travel, *_ in driven(scene, simulation.model)] == pytest.approx(expected)
+    assert bool(list(loaded(scene, simulation.model))) != bool(expected)
+
+
+def test_the_thickness_of_a_slice_is_no_size_of_a_body():
+    """A load 0.25 m beside the middle of a strip of 2 m, in a slice of 8 m."""
+    stage = Stage("one", 10, loads=(Load(force=(0.0, 0.0, -6.4e5), point=(0.25, 0.0, 0.0)),))
+    scene = described(stage, material=CLAY, rest_on=0.0)
+    strip = replace(scene.bodies[0], driven=(), position=(0.0, 4.0, 0.5), held=(),
+                    parameters={"length": 2.0, "width": 8.0, "height": 1.0, "size": 20.0})
+    simulation = build(replace(scene, bodies=(strip,), grid=replace(scene.grid, y=Axis(0.0, 8.0, collapsed=True))))
+    assert [arm for *_, arm in loaded(simulation.scene, simulation.model)] == pytest.approx([0.25])

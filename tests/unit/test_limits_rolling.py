@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from contact_bed import ball, box
 
-from hybrid.monitors.limits.rolling import FORCE, LIMIT, RESOLVED, rolls_on_lattice, towed_roller
+from hybrid.monitors.limits.rolling import (BY_PLACE, FORCE, LIMIT, RESOLVED, narrow_contact, rolls_on_lattice,
+                                           towed_roller)
 from hybrid.monitors.limits.shape import is_round
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Scene, Soil, Stage, Time
@@ -104,3 +105,43 @@ def test_a_roller_that_is_towed_over_clay(cell, told):
 
     found = texts(**cell)
     assert len(found) == bool(told) and all(told in text and "rolled along clay" in text for text in found)
+
+
+SANDY = {"young": 1e7, "poisson": 0.3, "density": 1800.0, "friction_angle": 32.0, "dilation_angle": 4.0, "cohesion": 500.0}
+
+
+def laid(size=0.1, material=None, load=-9e3, x=0.0, stages=(), **table):
+    """Texts about a cylinder of 0.6 m laid on soil in a slice of 1 m."""
+    material = material or {**CLAY, "strength": 15e3}
+    pipe = Body(GEOMETRY / "cylinder.geo", 100.0, name="pipe", position=(x, 0.5, 0.0), rest_on=0.0, friction=0.4,
+                rotation=(1.0, 0.0, 0.0, 90.0), parameters={"radius": 0.3, "height": 1.0, "size": 0.1}, **table)
+    grid = Grid(Axis(-0.8, 0.8, size), Axis(0.0, 1.0, collapsed=True), Axis(-0.6, 0.8, size), Faces(z_min="fixed"))
+    lay = Stage("lay", 4, held=("x", "ry"), loads=(Load(force=(0.0, 0.0, load)),))
+    simulation = build(Scene(name="lay", grid=grid, soil=Soil(Material(**material), top=0.0), bodies=(pipe,),
+                             time=Time(1.0, inertia=False), stages=(lay, *stages)))
+    return [text for limit in (narrow_contact, towed_roller) for text in limit(simulation.scene, simulation.model)]
+
+
+@pytest.mark.parametrize("kind, cells, apart", [
+    ("clay", 1.2, (8.5, 2.4)), ("clay", 2.3, (8.5, 6.6)), ("elastic soil", 0.5, (3.8, 2.6)),
+    ("elastic soil", 1.0, (3.8, 3.3)), ("sand", 2.3, (11.2, 15.1)), ("sand", 4.5, (11.2, 8.9))])
+def test_the_law_of_narrow_contacts_is_what_was_measured(kind, cells, apart):
+    """[mm] that a cylinder lies deep, towards, and where it differs most from that by its place in a cell."""
+    share, power = BY_PLACE[kind]
+    assert abs(apart[1] / apart[0] - 1.0) == pytest.approx(share * cells**-power, abs=0.08)
+
+
+@pytest.mark.parametrize("given, told", [
+    ({}, "lies on clay on about 0.12 m, 1.2 cells of 0.1 m, limit 3.2"), ({"size": 0.025}, ""),
+    ({"material": {**ELASTIC, "young": 5e6}}, "on elastic soil"), ({"material": SANDY}, "on sand"),
+    ({"load": -3e4}, ""), ({"held": ("z",), "load": 0.0}, "")])
+def test_a_cylinder_laid_on_a_contact_narrower_than_cells_is_told_by_how_much_its_depth_depends_on_its_place(given, told):
+    """Not one that sinks so deep that another note tells of it, nor one that is held."""
+    found = laid(**given)
+    assert len(found) == bool(told) and all(told in text and "where in a cell it touches" in text for text in found)
+
+
+def test_a_cylinder_that_rolls_after_it_was_laid_is_told_as_one_that_is_rolled_at_once():
+    push = Stage("push", 4, loads=(Load(force=(1500.0, 0.0, 0.0)),))
+    text, = laid(stages=(push,))
+    assert "is rolled along clay" in text

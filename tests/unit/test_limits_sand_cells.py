@@ -215,6 +215,8 @@ def test_a_free_wall_beside_a_step_of_the_ground():
     turned = retaining()
     turned = replace(turned, stages=(replace(turned.stages[0], motions=foot),))
     assert not limit_texts(sand_cells.retaining_walls, turned)     # into the sand
+    turned = replace(turned, stages=(replace(turned.stages[0], motions=foot[1:]),))
+    assert not limit_texts(sand_cells.retaining_walls, turned)     # about a hinge, or its centre
     assert not limit_texts(sand_cells.retaining_walls, retaining("von-mises"))
     assert not limit_texts(sand_cells.retaining_walls, retaining(ground=((0.0, 0.0), (4.0, 0.0))))     # on level ground
 
@@ -336,9 +338,11 @@ def test_footings_on_clay_on_weightless_sand_or_that_only_rest_are_not_judged():
 
 
 def test_sand_through_which_a_footing_is_punched_into_clay_does_not_count():
-    """As thick as the footing is wide: 206.8 and 200.9 kN with 10 and 20 cells, and not 78 % too much. On rock it does."""
+    """As thick as the footing is wide: 206.8 and 200.9 kN with 10 and 20 cells, and not 78 % too much. On rock, and on clay
+    that carries more, it does."""
     described = strip(**PRESSED)
-    for law, ends, count in (("von-mises", (-1.5,), 0), ("von-mises", (-0.5, -1.25), 0), ("hencky", (-1.5,), 1)):
-        layer = Layer("under it", *ends, law=law, material={"strength": 2e4} if law == "von-mises" else {})
+    for law, ends, count, strength in (("von-mises", (-1.5,), 0, 2e4), ("von-mises", (-0.5, -1.25), 0, 2e4),
+                                       ("hencky", (-1.5,), 1, 0.0), ("von-mises", (-1.5,), 1, 2e5)):
+        layer = Layer("under it", *ends, law=law, material={"strength": strength} if law == "von-mises" else {})
         layered = replace(described, soil=replace(described.soil, layers=(layer,), geostatic=False))
         assert len(limit_texts(sand_cells.footings, layered)) == count

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hybrid.monitors.limits import LIMITS, turning
-from hybrid.scene import Axis, Faces, Grid, Load, Material, Soil
+from hybrid.scene import Axis, Faces, Grid, Joint, Load, Material, Motion, Soil
 from hybrid.setup.build import build
 from hybrid.study.random.fresh import clay
 from hybrid.study.random.fresh.problem import WEIGHTLESS, body, scene
@@ -160,6 +160,22 @@ def test_a_box_deep_in_sand_in_space_has_the_law_that_was_measured():
         assert moment / 19.0 == pytest.approx(1 + turning.IN_SAND / n, abs=0.02)
     text, = over(depth=0.5, space=True, sand=True)
     assert "up to 15% too high" in text
+
+
+@pytest.mark.parametrize("rise, cells", [(0.5, 3.1), (0.3, 5.1), (1.2, 0.0)])
+def test_a_blade_that_is_turned_into_clay_is_judged_where_most_of_it_is_in_it(rise, cells):
+    """Level at the start on a hinge above the clay, turned by 90 degrees."""
+    values = {"length": 0.8, "width": 1.0, "height": 0.2, "size": 2.0}
+    made = body("box.geo", values, position=(0.0, 0.0, rise), name="blade")
+    side, across = Axis(start=-1.5, end=1.5, size=0.1), Axis(start=-0.5, end=0.5, collapsed=True)
+    grid = Grid(side, across, Axis(start=-1.5, end=1.8, size=0.1), Faces(z_min="fixed"))
+    described = scene("blade", grid, Soil(clay.clay(2e4), top=0.0, geostatic=False), [made],
+                      clay.Time(1.0, inertia=False), 4, WEIGHTLESS)
+    turn = replace(described.stages[0], motions=(Motion(component="ry", displacement=((0.0, 0.0), (4.0, 90.0))),))
+    pin = Joint("pin", "hinge", ("blade",), (-0.4, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
+    simulation = build(replace(described, stages=(turn,), joints=(pin,)))
+    found = list(turning.turned_over(simulation.scene, simulation.model))
+    assert len(found) == bool(cells) and all(f"{cells:.2g} cells of 0.1 m across" in text for text in found)
 
 
 def test_check_and_runs_ask_for_it():
