@@ -11,7 +11,7 @@ from put_on_soil import put_on_soil
 
 from hybrid.output.checkpoint import load, save
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Contact, Joint, Motion, Stage, Time
+from hybrid.scene import Contact, Joint, Time
 from hybrid.scene.file import load_scene, validate
 from hybrid.setup import body_contact
 from hybrid.setup.build import build
@@ -333,17 +333,6 @@ def test_joined_bodies_do_not_touch_one_another():
     assert simulation.model.pairs == () and records[-1].pairs == []
     assert simulation.sheet()["modelled"]["bodies in contact"] == ["none between one and two: joined"]
     assert np.abs(simulation.state.bodies[0].velocity - (0.0, 0.0, -0.03 * G)).max() < 1e-9
-
-
-def test_a_ram_is_no_free_body_however_it_is_driven():
-    """By a stage alone its own weight, instead of that of the block, gave the stiffness."""
-    def pair(**how):
-        block = box(0.5, 0.5, 0.5, name="block", position=(0.0, 0.0, 2.0), friction=0.5)
-        ram = box(0.2, 0.2, 0.2, name="ram", position=(-0.36, 0.0, 2.0), held=("y", "z", "rx", "ry", "rz"), **how)
-        stage = Stage("push", 1, motions=() if how else (Motion(body="ram", component="x", velocity=0.1),))
-        return build(replace(scene([block, ram], 1, 0.01), stages=(stage,))).model.pairs[0]
-
-    assert pair().stiffness == pytest.approx(pair(driven=("x",), velocity=(0.1, 0.0, 0.0)).stiffness, rel=1e-12)
 
 
 def test_the_sheet_lists_pairs():

@@ -1,8 +1,12 @@
-"""A plate pressed against the side of elastic soil, and the same pressed on its top: one problem, turned by 90 degrees."""
+"""A plate pressed against the side of elastic soil, and the same pressed on its top: one problem, turned by 90 degrees. A ram
+that pushes a block, driven in two ways."""
+
+from dataclasses import replace
 
 import pytest
+from flying_bodies import scene as in_space
 
-from hybrid.scene import Axis, Faces, Grid, Load, Stage
+from hybrid.scene import Axis, Faces, Grid, Load, Motion, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, elastic, scene
 
@@ -34,3 +38,14 @@ def test_a_side_answers_as_the_top_does(given):
         side = pressed("x", driven=("x",), velocity=(-0.001, 0.0, 0.0))
         top = pressed("z", driven=("z",), velocity=(0.0, 0.0, -0.001))
     assert side == pytest.approx(top, rel=1e-5) and top[1] > 2900.0
+
+
+def test_a_ram_is_no_free_body_however_it_is_driven():
+    """By a stage alone its own weight, instead of that of the block, gave the stiffness."""
+    def pair(**how):
+        block = box(0.5, 0.5, 0.5, name="block", position=(0.0, 0.0, 2.0), friction=0.5)
+        ram = box(0.2, 0.2, 0.2, name="ram", position=(-0.36, 0.0, 2.0), held=("y", "z", "rx", "ry", "rz"), **how)
+        stage = Stage("push", 1, motions=() if how else (Motion(body="ram", component="x", velocity=0.1),))
+        return build(replace(in_space([block, ram], 1, 0.01), stages=(stage,))).model.pairs[0]
+
+    assert pair().stiffness == pytest.approx(pair(driven=("x",), velocity=(0.1, 0.0, 0.0)).stiffness, rel=1e-12)
