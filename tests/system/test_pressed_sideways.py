@@ -1,5 +1,5 @@
-"""A plate pressed against the side of elastic soil, and the same pressed on its top: one problem, turned by 90 degrees. A ram
-that pushes a block, driven in two ways."""
+"""A plate pressed against the side of elastic soil, and the same pressed on its top: one problem, turned by 90 degrees. A
+ram that pushes a block, driven in two ways."""
 
 from dataclasses import replace
 
