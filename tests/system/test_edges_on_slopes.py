@@ -1,5 +1,7 @@
 """Bodies that slide on an edge over held ground given by heights on a grid."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from limit_texts import limit_texts
@@ -62,3 +64,14 @@ def test_edges_on_ground_that_bends_are_told(given, told, tmp_path):
     found = limit_texts(uneven.edges_on_bends, edge_down(tmp_path, **given))
     assert len(found) == told and all("heights on a grid that are no plane" in text for text in found)
     assert uneven.edges_on_bends in LIMITS
+
+
+@pytest.mark.parametrize("slopes, told", [((0.3, 0.0), False), ((0.0, 0.3), True)])
+def test_a_slope_that_a_plane_of_symmetry_crosses_does_not_go_on_beyond_it(slopes, told, tmp_path):
+    """Half of a cube is modelled, in the plane y = 0."""
+    described = edge_down(tmp_path, slopes, held=(), turn=None)
+    described = replace(described, grid=replace(described.grid, y=Axis(0.0, 1.0, 0.1)))
+    body = build(described).model.bodies[0]
+    assert body.mirrors and (body.ground is None) == told
+    found = limit_texts(uneven.edges_on_bends, described)
+    assert len(found) == told and all("fall across its plane of symmetry" in text for text in found)

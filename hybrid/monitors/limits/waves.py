@@ -38,7 +38,7 @@ def returning_waves(scene, model):
         _, place = outline(described, body, soil)
         if not swings or place[:, 2].min() > top_of(soil) + soil.grid.smallest_cell:
             continue
-        ways = _ways_to_ends(soil, body, place)
+        ways = _ways_to_ends(soil, place)
         if not ways:
             continue
         way, name, end = min(ways)
@@ -60,14 +60,14 @@ def _wave_speeds(soil):
     return maximum(np.sqrt((bulk + 4.0 / 3.0 * shear) * volume)), minimum(np.sqrt(shear * volume))
 
 
-def _ways_to_ends(soil, body, place):
+def _ways_to_ends(soil, place):
     """[(way [m], axis, end [m])] from a body with its vertices at `place` (V, 3) to the sides of the soil that it does not
-    reach, and in which it is not mirrored."""
-    found, mirrored = [], {(mirror.axis, round(mirror.at, 9)) for mirror in body.mirrors}
+    reach, as it does a plane of symmetry that it lies in."""
+    found = []
     for axis in np.flatnonzero(~soil.grid.collapsed[:2]):
         low, high = extent(soil.constants, axis)
         for way, end in ((place[:, axis].min() - low, low), (high - place[:, axis].max(), high)):
-            if way > BESIDE * soil.grid.smallest_cell and ("xy"[axis], round(float(end), 9)) not in mirrored:
+            if way > BESIDE * soil.grid.smallest_cell:
                 found.append((float(way), "xy"[axis], float(end)))
     return found
 
