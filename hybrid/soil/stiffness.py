@@ -110,7 +110,8 @@ class KeptStiffness:
         points = _PointState(trial.inverse, trial.strain, trial.directions, principal_stress, tangent, volume)
         dilatation = mean_dilatation(increment.mean, grid.collapsed, trial)
         now = Origin(tangent, principal_stress, trial.inverse, trial.inverse if dilatation is None else dilatation.inverse)
-        mark_changed(now, self._origin, -1.0 * self._limit if fresh else share * self._limit, self._changed)
+        limit = np.full_like(self._limit, -np.inf) if fresh else share * self._limit
+        mark_changed(now, self._origin, limit, self._changed)
         _add_stiffness(increment.slabs, increment.basis, grid.shape, points, pattern.sparsity, self.values,
                        _Kept(self._numbers, self._changed, fresh), dilatation)
 
@@ -196,7 +197,8 @@ def copy_values(values, out):
 @njit(cache=True, parallel=True)
 def mark_changed(now, before, limit, changed):
     """Fill `changed` (n,): points where D or τ, or an inverse times the largest of these, is farther than the `limit` (n,)
-    [Pa] from where it was `before`, which becomes what it is `now` there. A negative limit marks all."""
+    [Pa] from where it was `before`, which becomes what it is `now` there. A limit of -∞ marks all; one of zero passes over
+    points that are where they were."""
     D, stress, inverse, mean_inverse = now
     D0, stress0, inverse0, mean_inverse0 = before
     for p in prange(len(limit)):

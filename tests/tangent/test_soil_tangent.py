@@ -250,6 +250,20 @@ def test_kept_tangent_follows_the_trial(law, fbar):
     assert np.array_equal(filled(1e9, displacement, other), filled(1e9, displacement))
 
 
+@pytest.mark.parametrize("fbar", [False, True])
+def test_a_new_increment_assembles_points_that_are_where_they_were(fbar):
+    soil, step, displacement = block("drucker-prager", fbar=fbar)
+    pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
+    workspace = SoilWorkspace(soil)
+    workspace.kept = KeptStiffness(0.0, soil.law.young, fbar)
+    filled = []
+    for _ in range(2):
+        increment = replace(step, workspace=workspace)
+        filled.append(np.empty(len(pattern.indices)))
+        soil.fill_stiffness(increment, soil.evaluate(increment, displacement), pattern, filled[-1])
+    assert np.array_equal(*filled) and np.any(filled[0])
+
+
 def test_slope_test_fails_without_the_terms_of_fbar():
     soil, step, displacement = block("hencky", fbar=True)
     pattern = make_pattern(step.active, soil.grid.fixed, soil.grid.shape)
