@@ -84,7 +84,7 @@ def session(file, request):
         if type(error) is not Exception and not full:  # gmsh raises the bare class, nothing else does
             raise
         silent = (FULL if full else NO_REASON).format(request["memory"] / 2**30, request["remedy"])
-        reason = f"gmsh reports: {error}" if str(error) and not full else silent
+        reason = reported(error) if str(error) and not full else silent
         raise GeometryError(f"geometry {request['path']}: {reason}") from error
 
 
@@ -113,7 +113,14 @@ def check_log(path):
     """Raise the first error of gmsh's log: some failures are only logged."""
     errors = [line.split(":", 1)[1].strip() for line in gmsh.logger.get() if line.startswith("Error")]
     if errors:
-        raise GeometryError(f"geometry {path}: gmsh reports: {errors[0]}")
+        raise GeometryError(f"geometry {path}: {reported(errors[0])}")
+
+
+def reported(error):
+    """What gmsh says, with a remedy where it leaves a volume empty."""
+    too_large = "No elements in volume" in str(error)
+    remedy = "; elements are too large for the shape: give smaller ones (parameter size, Mesh.MeshSizeMax)"
+    return f"gmsh reports: {str(error).strip()}{remedy if too_large else ''}"
 
 
 def _parameter_remedy(path, name, known):

@@ -70,8 +70,8 @@ def settle(model, state, length):
                     "it some cohesion. Beside walls of 2 to 2.5 m 2 kPa was enough, also without inertia."
                     ) if model.bodies else ""
         raise SceneError(
-            "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides: "
-            "flatten soil.ground or raise the strength; or set soil.geostatic = false and turn gravity on by "
+            "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides, "
+            "and soil over an opening falls: flatten soil.ground or raise the strength, close the opening by a body; or set soil.geostatic = false and turn gravity on by "
             f"stage.gravity = [0.0, 1.0].{retained} Found in {str(error).partition(';')[0]}") from None
     finally:
         workspace.destroy()

@@ -28,7 +28,7 @@ def texts(x=(-1.0, 1.0), depth=0.4, size=0.05, load=None, material=CLAY, faces=(
 
 def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
     text, = texts(x=(-1.0, 0.25))
-    assert text.startswith("strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m, 0.12 widths, limit "
+    assert text.startswith("strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m, 0.125 widths, limit "
                            "0.15") and "grid.x outwards" in text
     text, = texts(x=(0.0, 0.25))     # half a model: its width is that of the whole
     assert "strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m" in text
@@ -38,7 +38,7 @@ def test_a_base_near_the_body_is_told_for_the_end_of_its_way():
     text, = texts(depth=0.1, velocity=(0.0, 0.0, -1.0))
     assert "the soil ends 0.08 m below it at the end of its path, 0.2 widths, limit 0.25" in text
     assert "unless the soil is to end there" in text
-    assert "0.05 m below it, 0.12 widths" in texts(depth=0.05, load=Load(force=(0.0, 0.0, -50.0)), held=("x", "ry"))[0]
+    assert "0.05 m below it, 0.125 widths" in texts(depth=0.05, load=Load(force=(0.0, 0.0, -50.0)), held=("x", "ry"))[0]
 
 
 def test_the_mechanism_under_a_rough_body_reaches_farther():
@@ -51,7 +51,7 @@ def test_the_mechanism_in_soil_with_friction_reaches_farther():
     soil = Material(law="mohr-coulomb", young=1e7, poisson=0.3, density=1800.0, friction_angle=30.0, dilation_angle=30.0,
                     cohesion=1e4)
     text, = texts(x=(-1.0, 0.55), material=soil, depth=1.0)
-    assert "0.88 widths, limit 1:" in text and "limit 0.84" in texts(depth=0.3, material=soil)[0]
+    assert "0.875 widths, limit 1:" in text and "limit 0.84" in texts(depth=0.3, material=soil)[0]
     assert not texts(x=(-1.0, 0.65), material=soil, depth=1.0)
     assert "limit 1.4" in texts(x=(-1.0, 0.65), material=soil, depth=1.0, friction=0.4)[0]
 

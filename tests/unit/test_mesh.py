@@ -145,6 +145,8 @@ def test_missing_file_is_refused(tmp_path):
         ("Box(1) = {0, 0", "syntax error"),
         (HEAD + "Box(2) = {0, 0, 0, -1, 1", "syntax error"),
         (HEAD + "Mesh.MeshSizeMin = nothing;", "gmsh reports"),
+        ('SetFactory("OpenCASCADE");\nSphere(1) = {0, 0, 0, 1};\nDilate {{0, 0, 0}, {0.02, 0.02, 1}} { Volume{1}; }\n'
+         "Mesh.MeshSizeMin = 2;" + BODY + CONTACT, "No elements in volume 1; elements are too large for the shape: give"),
         (HEAD + CONTACT, r"no physical volume 'body' \(found: none\)"),
         (HEAD + BODY, r"no physical surface 'contact' \(found: none\)"),
         (HEAD + BODY + 'Physical Surface("contact") = {1, 2, 3, 4, 5};', "not watertight.*in neither"),

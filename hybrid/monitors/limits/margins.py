@@ -158,7 +158,7 @@ def no_room_above(scene, model):
 
 
 def _text(body, width, gap, where, limit, axis):
-    return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.2g} widths, limit "
+    return (f"{body.name} is {width:.3g} m wide, and the soil ends {gap:.3g} m {where}, {gap / width:.3g} widths, limit "
             f"{limit:.2g}: soil that should flow from under it is held there, so that the body carries more than on ground "
             "without this end, by a tenth at the limit and by much more nearer to it. "
             f"{f'Widen grid.{axis}' if 'window' in axis else f'Move the end of grid.{axis} outwards'}, unless the soil is "
