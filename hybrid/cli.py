@@ -32,6 +32,7 @@ def main(arguments=None):
     """Run the command line and return its exit code."""
     open_streams()
     logging.basicConfig(format="%(name)s: %(message)s")     # "hybrid: ...", as all that it reports
+    logging.getLogger("hybrid").setLevel(logging.INFO)
     try:
         try:
             return _report("", _main(arguments))

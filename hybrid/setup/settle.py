@@ -7,6 +7,7 @@ stress, as on some stable slopes of sand with ψ < φ, gravity grows from none i
 slack; then time, velocities and work are zero again, and stress, contact and the places of points stay.
 """
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,8 @@ from hybrid.soil.points import at_rest
 from hybrid.step.equations import begin
 from hybrid.step.increments import Control, outer_step
 from hybrid.step.workspace import Workspace
+
+log = logging.getLogger("hybrid")
 
 SMALLEST = 1 / 64   # of a step: shortest increment that is tried
 # The same near the geostatic stress: what is out of balance there acts in any increment, and only backtracking is new
@@ -98,6 +101,8 @@ def _equilibrium(still, model, begun, length, workspace):
     except StepError as error:
         if still.soil.law.parameters is None:
             raise
+        log.info("the soil finds no equilibrium near the geostatic stress; now gravity grows from none, in about %d steps",
+                 GROWS)
         stress = np.zeros((len(begun.points.position), 3))
         bare = at_rest(still.soil.constants, stress, still.soil.law.strain(stress))
         growing = replace(still, loads=still.loads.during(0.0, length, (0.0, 1.0)))

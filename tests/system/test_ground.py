@@ -143,7 +143,7 @@ def test_a_bank_steeper_than_its_friction_angle_slides_and_a_note_says_so():
         build(bank(55.0).scene)
 
 
-def test_where_newtons_method_fails_near_the_geostatic_stress_gravity_grows_from_none(monkeypatch):
+def test_where_newtons_method_fails_near_the_geostatic_stress_gravity_grows_from_none(monkeypatch, caplog):
     """A stable slope then settles by more, as its weight acts on it anew, to nearly the same stress; a bank that slides is
     refused all the same."""
     direct, settled = build(scene(SLOPE)), settle._settled
@@ -154,7 +154,9 @@ def test_where_newtons_method_fails_near_the_geostatic_stress_gravity_grows_from
         return settled(*given)
 
     monkeypatch.setattr(settle, "_settled", fails_at_first)
-    grown = build(scene(SLOPE))
+    with caplog.at_level("INFO", logger="hybrid"):
+        grown = build(scene(SLOPE))
+    assert "now gravity grows from none, in about 20 steps" in caplog.text
     text, = grown.sheet()["modelled"]["settled at the start"] if isinstance(
         grown.sheet()["modelled"]["settled at the start"], list) else [grown.sheet()["modelled"]["settled at the start"]]
     assert "under gravity that grows from none" in text and "imbalance" not in " ".join(next(grown.steps()).notes)
