@@ -193,10 +193,10 @@ def light_body(scene, model):
         halves = copies([mirror for mirror in body.mirrors if not mirror.cut])      # beside those that `across` measures
         rows = halves * body.mass.mass / (density * across.prod() * grid.smallest_cell)
         if rows < CELL_ROWS and body.free[:3].any():
-            plural = "" if f"{rows:.2g}" == "1" else "s"
-            yield (f"{body.name} has the mass of {rows:.2g} row{plural} of cells under it, limit {CELL_ROWS:g}: when "
+            plural = "" if f"{rows:.3g}" == "1" else "s"
+            yield (f"{body.name} has the mass of {rows:.3g} row{plural} of cells under it, limit {CELL_ROWS:g}: when "
                    "it hits the soil it rebounds from the nodes instead of being stopped by a wave. Use a cell size of "
-                   f"at most {grid.smallest_cell * rows / CELL_ROWS:.2g} m, drive the body, or set time.inertia = "
+                   f"at most {grid.smallest_cell * rows / CELL_ROWS:.3g} m, drive the body, or set time.inertia = "
                    "false")
 
 
