@@ -8,9 +8,10 @@ from limit_texts import limit_texts
 
 from hybrid.laws.von_mises import VonMises
 from hybrid.monitors.limits import cells, limit_warnings, sand_cells
-from hybrid.monitors.limits.loading import driven, loaded, travels_of
+from hybrid.monitors.limits.loading import driven, loaded
 from hybrid.monitors.limits.materials import law_at, stays_attached
 from hybrid.monitors.limits.shape import sides
+from hybrid.monitors.limits.travels import travels_of
 from hybrid.runtime.data import GEOMETRY
 from hybrid.scene import Axis, Body, Faces, Grid, Joint, Layer, Load, Material, Motion, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.build import build
@@ -269,9 +270,32 @@ def test_a_body_on_which_a_driven_one_stands_is_judged_as_if_it_were_driven():
         (lower,) = strip.bodies
         upper = replace(lower, name="upper", position=tuple(np.add(lower.position, (x, 0.0, 1.0 + gap))), driven=("z",),
                         velocity=(0.0, 0.0, speed))
-        simulation = build(replace(strip, bodies=(lower, upper)))
+        simulation = build(replace(strip, bodies=(replace(lower, driven=(), held=("ry",)), upper)))
         found.append([body.name for body, *_ in driven(simulation.scene, simulation.model)])
     assert found == [[lower.name], [], [], [], [lower.name]]
+
+
+ROD = Joint("rod", "rod", ("strip", "ram"), point=(0.4, 0.0, 0.0), end=(-0.4, 0.0, 0.0))
+LINE = replace(ROD, kind="line")
+HINGE = Joint("hinge", "hinge", ("strip", "ram"), (0.5, 0.5, -0.5), axis=(0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize("joints, gap, speed, held, travel", [
+    ((), 0.0, -0.01, ("ry",), -0.1), ((), 0.05, -0.01, ("ry",), -0.05), ((), 0.0, 0.01, ("ry",), None),
+    ((), 0.3, -0.1, ("ry",), None), ((), 0.0, -0.01, ("x", "ry"), None),
+    ((ROD,), 0.5, -0.01, ("ry",), -0.1), ((ROD,), 0.5, 0.01, ("ry",), 0.1), ((LINE,), 0.5, -0.01, (), None),
+    ((LINE,), 0.5, 0.01, (), 0.1), ((replace(LINE, length=0.76),), 0.5, 0.01, (), 0.04),
+    ((HINGE,), 0.5, 0.01, ("ry",), 0.1), ((HINGE,), 0.5, 0.01, (), None)])
+def test_what_a_ram_beside_it_a_rod_a_line_or_a_hinge_moves_counts_as_driven(joints, gap, speed, held, travel):
+    """A strip in the soil, with a driven one `gap` beside it."""
+    scene = described(Stage("push", 10), material=CLAY, size=(1.0, 1.0), z=-0.5)
+    (strip,) = scene.bodies
+    ram = replace(strip, name="ram", position=(1.0 + gap, 0.5, -0.5), driven=("x",), held=("z", "ry"),
+                  velocity=(speed, 0.0, 0.0))
+    strip = replace(strip, driven=(), held=held)
+    simulation = build(replace(scene, bodies=(strip, ram), joints=joints))
+    found = [float(way[0]) for body, way, *_ in driven(simulation.scene, simulation.model) if body.name == "strip"]
+    assert found == ([] if travel is None else [pytest.approx(travel)])
 
 
 def test_ropes_and_lines_do_not_press():

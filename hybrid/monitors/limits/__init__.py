@@ -11,6 +11,7 @@ What limits share, each from the ones above it:
     start.py       heights of the soil and poses of bodies at the start
     shape.py       faces that lead a body, its width across its travel, its feet
     materials.py   material of the soil at a height; clay that stays attached
+    travels.py     where bodies go, by themselves or moved by others
     loading.py     which bodies are driven or pushed into the soil, and where to
 """
 

@@ -38,11 +38,12 @@ from hybrid.body.paths import travel_along
 from hybrid.body.symmetry import copies
 from hybrid.laws.von_mises import BEARING
 from hybrid.monitors.limits.cell_size import EXCESS
-from hybrid.monitors.limits.loading import Loading, bodies_joined_to, loadings
+from hybrid.monitors.limits.loading import Loading, loadings
 from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.rolling import contact_radius
 from hybrid.monitors.limits.shape import is_round, leads, narrowest, sides
 from hybrid.monitors.limits.start import covers, outline, top_of
+from hybrid.monitors.limits.travels import bodies_joined_to
 
 HIGHEST = ((0.75, 0.58), (1.06, 0.26), (1.3, 0.18), (1.6, 0.1))     # (a/h, excess [-] at the worst place in a cell)
 SOFT = {False: (1.15, 2.6), True: (0.35, 1.6)}  # pressed and tilted, in space and in plane strain

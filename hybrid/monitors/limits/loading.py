@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hybrid.body.paths import path_along
 from hybrid.body.rigid import FREEDOMS, RigidBody
 from hybrid.body.symmetry import copies
 from hybrid.monitors.limits.materials import CLAY, material_at
 from hybrid.monitors.limits.shape import PLANE, faces, leading_normal, leads, narrowest
 from hybrid.monitors.limits.start import initial_pose, initial_vertices, outline, stands_on, top_of
+from hybrid.monitors.limits.travels import bodies_joined_to, moved_at_points, travels, travels_of
 
 # Cosine between a travel and the normal of the plane face that leads: a plate moved at 11° to its normal bears 3 % less
 ASKEW = 0.75
@@ -18,7 +18,6 @@ ASKEW = 0.75
 ASIDE = 0.05 * (1.0 + 1e-6)     # not decided by round-off
 PUSHED = 5.0                    # s_u: pipes and balls deep in clay carry 9 to 13
 HARDLY = 2.0                    # s_u B/E of travel: a strip then bears half of what it can, a plate in deep clay a quarter
-AT_POINT = "hinge", "ball", "weld"
 
 
 class Loading(NamedTuple):
@@ -44,66 +43,18 @@ class Loading(NamedTuple):
 
 
 def driven(scene, model):
-    """Loading by each travel of each body that is driven, welded to one that is, drawn or pressed upright by a pull line, a
-    rope or a rod, or pressed down by one that stands on it, and gets to the soil."""
+    """Loading by each travel of each body that is driven, or that joints, lines or other bodies move (`travels`), and that
+    gets to the soil."""
     if model.soil.held or not model.soil.law.plastic:
         return
     for number, (described, body) in enumerate(zip(scene.bodies, model.bodies)):
-        travels = _travels(scene, model, number)
-        whole, place = outline(described, body, model.soil) if travels else (None, None)
-        for start, travel in travels:
+        ways = travels(scene, model, number)
+        whole, place = outline(described, body, model.soil) if ways else (None, None)
+        for start, travel in ways:
             if _gets_to(model.soil, place + start, travel):
                 straight = _straight(whole, place, travel)
                 lower = np.array([0.0, 0.0, min(travel[2] - straight[2], 0.0)])     # it goes forwards as deep as in the end
                 yield Loading(whole, straight, place + start + lower, leads(whole, place, straight))
-
-
-def _travels(scene, model, number):
-    """[(start, travel)] (3,) [m] of a body that is driven, or moved by joints and lines."""
-    def of(i):
-        return travels_of(scene, scene.bodies[i], model.soil.grid.collapsed)
-
-    def upright(i):
-        return [way for way in of(i) if model.bodies[i].guided[2] and _upright(way[1])]
-
-    for i in (number, *sorted(bodies_joined_to(scene, number, ("weld",)) - {None})):
-        if travels := of(i):
-            line = model.bodies[i].line
-            guided = model.bodies[i].guided[:3] | moved_at_points(model.bodies[i])
-            return [way for way in travels if guided[way[1] != 0.0].all()
-                    or line and _upright(way[1]) and (not line.tension_only or way[1] @ line.direction > 0.0)]
-    holding = [joint for joint in model.joints if joint.length is not None and {number} < {*joint.bodies} - {None}]
-    drawn = [way for joint in holding for i in joint.bodies if i != number
-             for way in _over(scene, model, joint, upright(i))]
-    places = [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)]
-    pressing = [(i, max(place[:, 2].min() - places[number][:, 2].max(), 0.0)) for i, place in enumerate(places)
-                if stands_on(place, places[number])]
-    return drawn or [(start, travel * (1.0 + gap / travel[2])) for i, gap in pressing for start, travel in upright(i)
-                     if travel[2] < -gap]
-
-
-def moved_at_points(body):
-    """(3,) bool, axes along which a stage drives a point of a RigidBody that it does not let turn: so the whole of it."""
-    moved = np.zeros(3, bool)
-    for stage in body.stages:
-        turns = (body.free | stage.released)[3:] & ~(stage.held | stage.driven)[3:]
-        if not turns.any():
-            moved[[point.guide.component for point in stage.points]] = True
-    return moved
-
-
-def _over(scene, model, joint, ways):
-    """What a rod hands on of upright `ways` of one of its bodies, and of those up what a line does once it is taut."""
-    if not joint.slack:
-        return ways
-    poses = [initial_pose(scene.bodies[i], model.bodies[i]) for i in joint.bodies]
-    ends = [centre + rotation @ point for (centre, rotation), point in zip(poses, joint.points)]
-    slack = joint.length - np.linalg.norm(ends[1] - ends[0])
-    return [(start, travel * (1.0 - slack / travel[2])) for start, travel in ways if travel[2] > slack]
-
-
-def _upright(travel):
-    return abs(travel[2]) > PLANE * np.linalg.norm(travel)
 
 
 def _gets_to(soil, place, travel):
@@ -119,33 +70,6 @@ def _straight(body, place, travel):
         return travel
     axis = np.where(np.abs(normal) > PLANE, np.sign(normal), 0.0)
     return (axis @ travel) * axis if axis @ travel > ASKEW * np.linalg.norm(travel) else travel
-
-
-def travels_of(scene, described, collapsed):
-    """[(start, travel)] (3,) [m] of a driven body: in each stage from its place at the start to the farthest one. Stages in
-    a row, or later, that go the same way are one, the longest."""
-    paths = [path_along(scene, described, name) for name in "xyz"]
-    found, start = [], np.zeros(3)
-    for stage in zip(*paths):
-        farthest = np.array([max(path, key=lambda place, now=now: abs(place - now)) for path, now in zip(stage, start)])
-        end = np.array([path[-1] for path in stage])
-        travel = np.where(collapsed, 0.0, farthest - start)
-        if travel.any():
-            found = _with(found, start, travel)
-        start = end
-    return found
-
-
-def _with(found, start, travel):
-    """`found` with another way: of those in one direction the longest, whole where they follow each other in a line."""
-    length = np.linalg.norm(travel)
-    for i, (first, other) in enumerate(found):
-        if travel @ other > PLANE * length * np.linalg.norm(other):
-            whole = start + travel - first
-            in_line = whole @ other > PLANE * np.linalg.norm(whole) * np.linalg.norm(other)
-            travels = [(first, other), (start, travel), *([(first, whole)] if in_line else [])]
-            return [*found[:i], max(travels, key=lambda one: np.linalg.norm(one[1])), *found[i + 1:]]
-    return [*found, (start, travel)]
 
 
 def loaded(scene, model):
@@ -236,18 +160,6 @@ def through_clay(scene, model):
         whole = copies(body.mirrors) * np.linalg.norm(force)
         if whole > PUSHED * strength * np.prod(size[force == 0.0]):
             yield found._replace(travel=grid.smallest_cell * force / np.linalg.norm(force))
-
-
-def bodies_joined_to(scene, number, kinds=AT_POINT):
-    """Numbers of the bodies that joints of some `kinds`, those at points, connect with a body, over any number of others;
-    None of the ground."""
-    names, found = [body.name for body in scene.bodies], {number}
-    pairs = [{*map(names.index, joint.bodies), *([None] if len(joint.bodies) == 1 else [])}
-             for joint in scene.joints if joint.kind in kinds]
-    for _ in pairs:
-        for pair in pairs:
-            found |= pair if (found & pair) - {None} else set()
-    return found - {number}
 
 
 def _largest_row(table):
