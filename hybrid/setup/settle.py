@@ -74,7 +74,8 @@ def settle(model, state, length):
                     ) if model.bodies else ""
         raise SceneError(
             "the soil finds no equilibrium at the start, with the bodies held. Ground too steep for its strength slides, "
-            "and soil over an opening falls: flatten soil.ground or raise the strength, close the opening by a body; or set soil.geostatic = false and turn gravity on by "
+            "and soil over an opening falls: flatten soil.ground or raise the strength, close the opening by a body; or set "
+            "soil.geostatic = false and turn gravity on by "
             f"stage.gravity = [0.0, 1.0].{retained} Found in {str(error).partition(';')[0]}") from None
     finally:
         workspace.destroy()
