@@ -86,8 +86,10 @@ def _from(table, start):
 
 
 def forces_of(body):
-    """[(k, 3) values [N] of the table of each force] that stages put on a body."""
-    return [load.force.values for control in body.stages or () for load in control.loads if load.force is not None]
+    """[(k, 3) values [N] of the sum of all forces, at the times of their tables], of each stage that puts some on a body."""
+    tables = [[load.force for load in control.loads if load.force is not None] for control in body.stages or ()]
+    return [sum(table.at(np.unique(np.concatenate([each.times for each in together]))) for table in together)
+            for together in tables if together]
 
 
 def at_start(body, time):

@@ -22,6 +22,7 @@
 | GroundImpact     | bodies that hit held ground or elastic soil lose energy without a cause |
 | LastImpact       | a run ends in an impact of bodies that has lost energy without a cause  |
 | IdleAdhesion     | clay that touches a body has too little pressure for its adhesion       |
+| PartedSides      | clay stands away from the sides of a pile or a skirt                    |
 | ShortLine        | the far end of a line through soil is nearer than where it comes up      |
 | Untouched        | at the end of a run: a driven body has touched nothing                  |
 | JudgedIncrements | many increments end with a residual above the tolerance                 |
@@ -52,6 +53,7 @@ from hybrid.monitors.lost_contact import LostContact
 from hybrid.monitors.lost_points import LostPoints
 from hybrid.monitors.missed_contact import MissedContact
 from hybrid.monitors.monitor import StepView
+from hybrid.monitors.parted_sides import PartedSides
 from hybrid.monitors.penetration import Penetration
 from hybrid.monitors.plastic_increment import PlasticIncrement
 from hybrid.monitors.short_line import ShortLine
@@ -60,7 +62,7 @@ from hybrid.monitors.untouched import Untouched
 MONITORS = (
     DomainExit, GridEnd, LostContact, LostPoints, MissedContact, Penetration, ForceOscillation, EnergyBalance,
     PlasticIncrement, FlowingSoil, CreepingSoil, BodyOverlap, JudgedIncrements, AbsorbedImpact, BodyImpact, GroundImpact,
-    LastImpact, IdleAdhesion, ShortLine, Untouched, DampedVibration, DampedFlight, FastRotation)
+    LastImpact, IdleAdhesion, PartedSides, ShortLine, Untouched, DampedVibration, DampedFlight, FastRotation)
 
 __all__ = ["MONITORS", "Monitors", "StepView", *(kind.__name__ for kind in MONITORS)]
 

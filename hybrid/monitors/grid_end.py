@@ -40,9 +40,10 @@ class GridEnd(Monitor):
 
 
 def _holds(grid, axis, side):
-    """Whether the nodes of a face of the grid are held along its normal."""
+    """Whether all nodes of a face of the grid are held along its normal: those of a free one are on a fixed base alone."""
     at = grid.axes[axis] == grid.extent[axis, side]
-    return not grid.collapsed[axis] and anywhere(np.moveaxis(grid.fixed.reshape(*grid.shape, 3)[..., axis], axis, 0)[at])
+    return not grid.collapsed[axis] and not anywhere(
+        ~np.moveaxis(grid.fixed.reshape(*grid.shape, 3)[..., axis], axis, 0)[at])
 
 
 def _gaps(grid, points):

@@ -31,9 +31,9 @@ class Untouched(Monitor):
             if b not in self._touched and b not in joined and body.driven[:3].any():
                 gap = rigid.bounding_box(body, motion)[0, 2] - view.surface()
                 where = f": at the end it is {gap:.3g} m above the highest soil" if np.isfinite(gap) and gap > 0.0 else ""
-                yield b, (f"{body.name} is driven and has touched neither soil nor another body in the whole run, so "
-                          f"that its forces are zero{where}. Let it begin at the soil (body.rest_on, body.position), or "
-                          "drive it farther")
+                yield b, (f"{body.name} is driven and touches neither soil nor another body at the end of any step, so "
+                          f"that its forces in the history are zero{where}. Let it begin at the soil (body.rest_on, "
+                          "body.position), or drive it farther; an impact within a step shows with shorter ones")
 
 
 def _pressed(view):

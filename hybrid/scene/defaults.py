@@ -40,9 +40,22 @@ class Decision(NamedTuple):
 def resolve(scene):
     """(Scene in which every key of `RULES` has a value, tuple of the Decisions that were taken for it)."""
     decisions = []
+    scene = _without_level_ground(scene)
     for cls, name in RULES:
         scene = _decide(scene, cls, name, decisions)
     return scene, tuple(decision for decision in decisions if decision.reason)
+
+
+def _without_level_ground(scene):
+    """A Scene whose ground takes nothing away from the soil as one without."""
+    ground, (_, top) = scene.soil.ground, ends(scene.soil, scene.grid)
+    if ground is None:
+        return scene
+    from hybrid.scene.ground import heights     # late: it needs numpy
+
+    if heights(ground)[2].min() < top:
+        return scene
+    return replace(scene, soil=replace(scene.soil, ground=None))
 
 
 def _decide(scene, cls, name, decisions):

@@ -22,17 +22,28 @@ from hybrid.soil.points import extent
 TIPPED = 0.7    # moment that clay bears on a base, over s_u, its area and its width
 USED = 0.5      # share of what soil bears from which on a base moves by flow more than by what is elastic
 OTHER = 0.1     # share of a base that need not be plane, as fillets
-FLUSH = 1e-3    # of a cell between a base and the soil on which it stands
+FLUSH = 1e-3    # of a cell between a base and the soil on which it stands,
+NEAR = 0.02     # and to which it comes down
 NOTHING = 0.0, 0.0, 0.0     # force along z and across it, moment
 LEVEL = 0.02    # sine of the angle between triangles of one plane, and of its size, their distance from it
 
 
-def stands_on(rest_on, soil, gravity):
-    """Whether a body that is put at a height `rest_on` [m], None for none, stands on level soil, and its weight presses it
-    down."""
-    if rest_on is None or soil.held or soil.ground is not None or gravity[2] >= 0.0 or gravity[:2].any():
+def stands_on(body, motion, soil, gravity):
+    """Whether a body, at its BodyState at the start, stands on level soil, and its weight presses it down."""
+    if soil.held or soil.heights is not None or gravity[2] >= 0.0 or gravity[:2].any():
         return False
-    return abs(rest_on - extent(soil.constants, 2)[1]) <= FLUSH * soil.grid.smallest_cell
+    gap = motion.position[2] - body.outline.extent(-motion.rotation[2]) - extent(soil.constants, 2)[1]
+    return -FLUSH <= gap / soil.grid.smallest_cell <= NEAR
+
+
+def undisturbed(name, placed, carried):
+    """Whether no other body of the `placed` (RigidBody, BodyState) than the one of this name moves by a guide, a line or a
+    velocity at the start, or has loads, but for what loads those that are `carried` by it."""
+    bears_loads_of = {name, *(body.name for body, _, _ in carried)}
+    others = [(body, motion) for body, motion in placed if body.name != name]
+    moving = any(body.line or body.driven.any() or motion.velocity.any() or motion.spin.any() for body, motion in others)
+    return not (moving or any(control.points or control.loads and body.name not in bears_loads_of
+                              for body, _ in others for control in body.stages))
 
 
 def carried_by_each(placed, joints, soil):
@@ -68,8 +79,8 @@ def bears(body, motion, soil, gravity, stands=False, carried=()):
     whether nothing but its weight presses one without such forces."""
     rotation, every = motion.rotation, [(body, motion, 1.0), *carried]
     base = motion.position - (0.0, 0.0, body.outline.extent(-rotation[2]))
-    stages = []
-    if any(control.loads for control in body.stages):
+    stages, bearers = [], every if stands else every[:1]
+    if any(control.loads for each, _, _ in bearers for control in each.stages):
         stages = [[_largest_of(load, place, base, share) for control, place, share in controls for load in control.loads]
                   or [NOTHING] for controls in _by_stage(every)]
     elif stands and body.free[2]:

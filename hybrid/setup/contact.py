@@ -39,8 +39,8 @@ FLUSH = 1e-3            # of a cell, between an edge and the end of the soil at 
 
 def connect_to_soil(described, body, motion, soil, gravity, alone, carried=()):
     """The body, at its BodyState at the start, with all of its contact that follows from `soil`; gravity (3,) [m/s²];
-    alone: whether there is no other body; carried: (RigidBody, BodyState, share) of those whose loads it bears. Raises
-    SceneError."""
+    alone: whether no other body moves or loads the soil; carried: (RigidBody, BodyState, share) of those whose loads it
+    bears. Raises SceneError."""
     rotation = motion.rotation
     body = in_slice(body, soil.grid, rotation)
     chosen, spacing, radius = _places(described, body, rotation, soil, gravity)
@@ -49,7 +49,7 @@ def connect_to_soil(described, body, motion, soil, gravity, alone, carried=()):
     mixed = described.adhesion is not None and anywhere(~soil.law.undrained)
     interface, sharp = interface_of(described, mixed), body.surface
     moves = described.pull or any((*(described.velocity or ()), *(described.spin or ())))
-    stands = alone and stands_on(described.rest_on, soil, gravity)
+    stands = alone and stands_on(body, motion, soil, gravity)
     below = not (soil.held or moves) and bears(body, motion, soil, gravity, stands, carried)
     body = replace(body, below_capacity=below)
     body = replace(body, places=chosen, penalty=penalty(described, body, motion, soil, spacing, radius, gravity))

@@ -1,5 +1,6 @@
 """A column of soil under sudden gravity swings; the default scheme damps it unless steps are short."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,14 +31,20 @@ def test_what_the_default_scheme_takes_from_a_vibration_is_told_once():
     assert "17 steps in a period" in text and "12% of its swing in each, limit 10%" in text
 
 
+@pytest.mark.parametrize("steps, lost", [(9, 34), (6, 56)])
+def test_a_vibration_that_few_steps_resolve_is_told_too(steps, lost):
+    text, = notes(steps, periods=6.0)
+    assert int(re.search(r"it loses (\d+)% of its swing", text)[1]) == pytest.approx(lost, abs=8)
+
+
 @pytest.mark.parametrize("steps, time", [
-    (24, {}), (16, {"spectral_radius": 0.8}), (16, {"scheme": "newmark"}), (5, {}), (16, {"beta": 0.5625, "gamma": 1.0})],
+    (24, {}), (16, {"spectral_radius": 0.8}), (16, {"scheme": "newmark"}), (1.5, {}), (16, {"beta": 0.5625, "gamma": 1.0})],
     ids=["short steps", "hardly damped", "undamped", "not resolved", "meant to"])
 def test_others_are_not(steps, time):
     assert not notes(steps, **time)
 
 
-@pytest.mark.parametrize("steps, lost", [(12, 0.23), (16, 0.12), (32, 0.02)])
+@pytest.mark.parametrize("steps, lost", [(6.8, 0.67), (12, 0.25), (16, 0.12), (32, 0.02)])
 def test_what_the_scheme_takes_is_that_of_an_oscillator(steps, lost):
     """As the column loses; undamped schemes take nothing."""
     assert lost_by(Scheme.generalised_alpha(0.0), steps) == pytest.approx(lost, rel=0.2)

@@ -17,7 +17,7 @@ def notes(bodies, steps=6, about="leaves the grid", **scene):
     above and below z = 0."""
     records = build(soil_scene(bodies, held=True, steps=steps, **scene)).steps()
     return [(record.step, note) for record in records for note in record.notes if about in note
-            and "touched neither" not in note]
+            and "touches neither" not in note]
 
 
 def flying(geometry, velocity, **body):
@@ -56,5 +56,5 @@ def test_terminal_and_summary_carry_the_note(geometry, tmp_path):
     simulation.run([Summary(tmp_path), Progress(stream)])
     before, note, untouched = json.loads((tmp_path / "summary.json").read_text())["notes"]
     assert before.startswith("cube gets to x = 0.9 m") and note.startswith("cube leaves the grid")
-    assert "touched neither" in untouched
+    assert "touches neither" in untouched
     assert [line for line in stream.getvalue().splitlines() if line.startswith("cube")] == [before, note, untouched]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from limit_texts import limit_texts
 
-from hybrid.monitors.limits.margins import covered, narrow_ahead, narrow_margins, no_room_above
+from hybrid.monitors.limits.margins import covered, narrow_above, narrow_ahead, narrow_margins, no_room_above
 from hybrid.scene import Axis, Faces, Load, Material, Stage
 from hybrid.setup.build import build
 from hybrid.study.scenes import box, collapsed, soil_scene
@@ -32,6 +32,16 @@ def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
                            "0.15") and "grid.x outwards" in text
     text, = texts(x=(0.0, 0.25))     # half a model: its width is that of the whole
     assert "strip is 0.4 m wide, and the soil ends 0.05 m beside it at x = 0.25 m" in text
+
+
+@pytest.mark.parametrize("x, depth, velocity, told", [
+    ((-1.0, 0.3), 0.5, 0.1, 1), ((-1.0, 0.35), 0.5, 0.1, 0), ((0.0, 0.3), 0.5, 0.1, 1), ((-1.0, 0.3), 0.3, 0.1, 0),
+    ((-1.0, 0.3), 0.5, -0.1, 0), ((-1.0, 0.25), 0.1, 0.1, 0)])
+def test_a_side_near_a_body_that_is_lifted_is_told(x, depth, velocity, told):
+    """With its base so deep, 0.2 m high; the last one is not covered."""
+    found = texts(x=x, depth=1.0, rest_on=-depth, velocity=(0.0, 0.0, velocity), limit=narrow_above)
+    assert len(found) == told
+    assert all("ends 0.1 m beside it at x = 0.3 m, limit 0.135 m by the 0.3 m of soil" in text for text in found)
 
 
 def test_a_base_near_the_body_is_told_for_the_end_of_its_way():

@@ -67,7 +67,7 @@ def driven_above(last=True, step=1, touching=0, drive=(0.0, 0.0, -0.1), joints=(
 
 def test_a_driven_body_that_touched_nothing_is_told_at_the_end_of_the_run():
     text, = driven_above()
-    assert text.startswith("cube is driven and has touched neither soil nor another body in the whole run")
+    assert text.startswith("cube is driven and touches neither soil nor another body at the end of any step")
     assert "0.1 m above the highest soil" in text
     assert "body.rest_on" in text
 

@@ -117,9 +117,24 @@ def test_a_body_that_is_cut_is_held_in_its_plane_and_may_not_leave_it():
     {"driven": ("y", "z"), "held": ("x", "rx", "ry", "rz")},        # it goes through the plane
     {"geometry": GEOMETRY / "box.geo", "rotation": (1.0, 0.0, 0.0, 10.0),                # a block that leans
      "parameters": {"length": 0.3, "width": 0.6, "height": 0.2, "size": 1.0}},
+    {"geometry": GEOMETRY / "box.geo", "rotation": (1.0, 0.0, 0.0, 0.5),
+     "parameters": {"length": 0.3, "width": 0.6, "height": 0.2, "size": 1.0}},
+    {"geometry": GEOMETRY / "box.geo", "rotation": (1.0, 0.0, 0.0, 5.0),                 # whose moments do not lean
+     "parameters": {"length": 0.3, "width": 0.4, "height": 0.4, "size": 1.0}},
 ])
 def test_a_body_across_an_end_of_the_grid_is_no_half_otherwise(change):
     assert not build(pressed(y=HALF, **change)).mirrors
+
+
+@pytest.mark.parametrize("geometry, parameters, rotation", [
+    ("box.geo", {"length": 0.3, "width": 0.4, "height": 0.4, "size": 1.0}, (1.0, 0.0, 0.0, 45.0)),
+    ("box.geo", {"length": 0.3, "width": 0.4, "height": 0.2, "size": 1.0}, (0.0, 1.0, 0.0, 20.0)),
+    ("sphere.geo", {"radius": 0.2, "size": 0.1}, (1.0, 2.0, 3.0, 40.0)), ("sphere.geo", {"radius": 0.2, "size": 0.16}, None),
+    ("cylinder.geo", {"radius": 0.2, "height": 0.3, "size": 0.1}, (1.0, 0.0, 0.0, 90.0))])
+def test_a_body_across_an_end_of_the_grid_that_is_its_own_image_is_a_half(geometry, parameters, rotation):
+    (mirror,), = [body.mirrors for body in build(pressed(
+        y=HALF, geometry=GEOMETRY / geometry, parameters=parameters, rotation=rotation)).model.bodies]
+    assert mirror.axis == "y" and not mirror.cut
 
 
 FREE = {"y": HALF, "driven": (), "held": (), "velocity": (0.0, 0.0, 0.0), "rest_on": 0.0}

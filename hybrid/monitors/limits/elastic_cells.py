@@ -59,7 +59,7 @@ def unresolved_contact(scene, model):
     if soil.held or soil.grid.collapsed.any():
         return
     material, cell = material_at(scene, soil, top_of(soil)), soil.grid.resolution
-    if material.law != "hencky" or scene.soil.ground is not None:
+    if material.law != "hencky":
         return
     for described, body in zip(scene.bodies, model.bodies):
         whole, place = outline(described, body, soil)

@@ -1,4 +1,5 @@
 """Soil that ends so near a body that is pressed into it that its failure mechanism does not fit: the load is too large.
+Under a body that is lifted it is too small.
 
 Load of a strip of width B on clay over that far from all ends, 1.6 m wide with cells of 0.1 m, by the distance to a
 roller beside it or a fixed base below:
@@ -14,6 +15,12 @@ below a smooth one: there limits grow with tan φ.
 A blade 1 m deep that is pushed through clay has 10 and 36 to 60 % too much load where the soil ends 1 and 0.5 m ahead
 of it, in sand of 32°, whose wedge reaches d tan(45° + φ/2) ahead, 25 to 29 and 60 %; a pipe deep in clay 16 % too little
 with 0.5 of its diameter before and behind it, 4 % with one diameter.
+
+A plate 1 m wide that is lifted takes the soil above it up along a roller, as a piston. Load [%] that is missing, by the
+distance to the roller over the height H of the soil above the plate:
+
+    clay, H = 1.4 B           0.07   0.18   0.36   0.54     sand, 33°, H = 1.4 B     0.07   0.2   0.36   0.54   0.7
+                               83     54     16      0                                44    28     16      6     1
 """
 
 import numpy as np
@@ -31,6 +38,7 @@ FRICTIONAL = {True: 1.2, False: 0.85}   # more beside it, and 0.7 of that below,
 DEEPER = 0.7
 DOWN = 0.9      # share of the travel of a body that is pressed down
 AHEAD = 1.0     # heights of a body in clay that is pushed sideways
+LIFTED = 0.45   # heights of the soil above a body that is lifted, and at most a width
 HEAVE, ROOM = 0.25, 0.5     # cells from the highest points to the surface, and above it that are no room
 
 
@@ -61,6 +69,21 @@ def narrow_margins(scene, model):
         ends_there = scene.grid.faces.z_min != "free" and not on_rock
         if np.isfinite(width) and -0.1 * width < below < deep * width and ends_there:
             yield _text(body, width, below, "below it" if by_force else "below it at the end of its path", deep, "z")
+
+
+def narrow_above(scene, model):
+    """Bodies lifted out of soil that ends at a face of the grid beside them, nearer than the soil that they lift reaches."""
+    for body, travel, place, *_ in loadings(scene, model):
+        above = top_of(model.soil) - place[:, 2].max()
+        if travel[2] < DOWN * np.linalg.norm(travel) or above <= 0.0:
+            continue
+        for width, gap, where in _beside(scene, model.soil, place):
+            limit = min(LIFTED * above, width)
+            if gap is not None and gap < limit:
+                yield (f"{body.name} is lifted out of soil that ends {gap:.3g} m beside it at {where}, limit {limit:.3g} m by "
+                       f"the {above:.3g} m of soil above it: that soil goes up along the end as a piston, and the load is too "
+                       "low, by 15 % with a third of that height beside the body, by up to half with a fifth. Move the end of "
+                       f"grid.{where[0]} outwards, unless the soil is to end there")
 
 
 def narrow_ahead(scene, model):
@@ -182,4 +205,4 @@ def _beside(scene, soil, place):
             yield width, gap, f"{name} = {limits[side]:.3g} m{', the end of its window' if window else ''}"
 
 
-LIMITS = (narrow_margins, narrow_ahead, covered, no_room_above)
+LIMITS = (narrow_margins, narrow_above, narrow_ahead, covered, no_room_above)

@@ -3,6 +3,8 @@
 import numpy as np
 
 from hybrid.body.paths import path_along
+from hybrid.body.symmetry import copies
+from hybrid.monitors.limits.materials import material_at
 from hybrid.monitors.limits.start import initial_vertices, stands_on, top_of
 from hybrid.scene.body import out_of_plane
 from hybrid.soil.points import extent
@@ -16,6 +18,7 @@ FLUSH = 0.01        # of the smallest cell: a body that reaches less far past th
 AWAY = 1.0          # sizes of a body that the points of its pull, loads and motions may lie outside its bounding box,
 AWAY_JOINED = 10.0  # and those of its joints: a hinge may stand for the arm of a pendulum
 COORDINATES = "those of the geometry, in metres, before body.position moves it"
+HEAVY = 0.1         # of Young's modulus, pressure of a body by its weight
 STIFF = 1e4         # p_f times the smallest cell [-], of soil that is not held
 
 
@@ -238,4 +241,21 @@ def odd_halves(scene, model):
                    "face on the end of the grid, or model the whole body")
 
 
-LIMITS = (odd_places, beside_roller, outside_window, odd_points, odd_penalty, odd_halves)
+def heavy_body(scene, model):
+    """Bodies that begin on elastic soil, and whose weight alone compresses it by a large share."""
+    soil, joined = model.soil, scene.joined
+    material = material_at(scene, soil, top_of(soil))
+    if soil.held or material.law != "hencky" or not material.young or soil.grid.collapsed[2]:
+        return
+    for described, body in zip(scene.bodies, model.bodies):
+        place = initial_vertices(described, body)
+        near = abs(place[:, 2].min() - top_of(soil)) < soil.grid.smallest_cell and body.free[2] and body.name not in joined
+        across = np.where(soil.grid.collapsed, np.ptp(soil.grid.extent, axis=1), np.ptp(place, axis=0))[:2]
+        pressure = body.mass.mass * -scene.gravity[2] * copies(body.mirrors) / across.prod()
+        if near and pressure > HEAVY * material.young:
+            yield (f"{body.name} presses the soil with at least {pressure:.3g} Pa by its weight, and soil.material.young = "
+                   f"{material.young:g} Pa, limit {pressure / HEAVY:.3g} Pa, looks wrong: the soil is compressed by a tenth "
+                   "and more; is it a number of kPa?")
+
+
+LIMITS = (odd_places, beside_roller, outside_window, odd_points, odd_penalty, odd_halves, heavy_body)

@@ -24,7 +24,7 @@ from hybrid.monitors.limits.cell_size import EXCESS
 from hybrid.monitors.limits.clay_cells import LAID as SUNK
 from hybrid.monitors.limits.materials import CLAY, SAND, STRIP, material_at, weight_factor
 from hybrid.monitors.limits.shape import is_round
-from hybrid.monitors.limits.start import initial_pose, initial_vertices, top_of
+from hybrid.monitors.limits.start import initial_pose, initial_vertices, levelled, top_of
 from hybrid.runtime.comm import maximum
 from hybrid.scene.defaults import STANDARD_GRAVITY
 
@@ -95,17 +95,18 @@ def narrow_contact(scene, model):
     """Cylinders laid on soil in plane strain on a contact so narrow that their depth depends on where in a cell they lie;
     those that sink into clay are reported by `clay_cells.laid_pipes`."""
     soil, across = model.soil, np.flatnonzero(~model.soil.grid.collapsed[:2])
-    if soil.held or soil.grid.collapsed.sum() != 1 or len(across) != 1 or scene.soil.ground is not None:
+    if soil.held or soil.grid.collapsed.sum() != 1 or len(across) != 1:
         return
     top, cell = top_of(soil), soil.grid.smallest_cell
     material = material_at(scene, soil, top)
     towed = [text.split(" is rolled")[0] for text in towed_roller(scene, model)]
     for described, body in zip(scene.bodies, model.bodies):
-        place = initial_vertices(described, body)
-        laid = body.free[2] and not body.driven[2] and abs(place[:, 2].min() - top) < cell
+        place = levelled(soil, initial_vertices(described, body))
+        driven = body.driven[2] or any(point.guide.component == 2 for stage in body.stages for point in stage.points)
+        laid = body.free[2] and not driven and abs(place[:, 2].min() - top) < cell
         if not laid or body.name in {*scene.joined, *towed} or not _is_cylinder(described, body, across[0]):
             continue
-        diameter = float(np.ptp(place[:, 2]))
+        diameter = float(np.ptp(initial_vertices(described, body)[:, 2]))
         kind, chord = _chord(material, _load_on(scene, soil, body), 0.5 * diameter)
         if not 0.0 < chord < diameter or kind == "clay" and (chord / diameter) ** 2 / 4.0 > SUNK:
             continue

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull
 
 from hybrid.body.smooth import area_vectors
 
@@ -90,8 +91,9 @@ def feet(body, place, travel, top):
 
 def is_round(outline, distance):
     """Whether a body is, by distances (V,) [m] of its vertices from its middle and the SIDES of its `outline`, a
-    ContactSurface: the corners of a box are all as far from its middle."""
-    return distance.max() <= ROUND * distance.min() and len(np.unique(outline.normals.round(3), axis=0)) >= SIDES
+    ContactSurface: the corners of a box are all as far from its middle. A tube is as round as its outside."""
+    outer = distance[ConvexHull(outline.vertices).vertices]
+    return outer.max() <= ROUND * outer.min() and len(np.unique(outline.normals.round(3), axis=0)) >= SIDES
 
 
 def heading(travel):

@@ -12,6 +12,7 @@ from hybrid.scene.defaults import POISSON
 from hybrid.scene.soil import as_clay, materials
 from hybrid.soil.points import extent
 
+SHALLOW = 0.25      # of the height of the soil that is left where the ground is lowest
 ALMOST = 1e-6       # [m] from the end of the grid, which is reached
 LONG = 2.0          # cells: shorter stretches of the ground are steps
 LOOSE = 0.02        # of the weight of sand as high as the ground is uneven: a cohesion below it hardly holds a slope
@@ -185,6 +186,22 @@ def steep_slopes(scene, model):
                "a cohesion, or a dilation_angle nearer to its friction angle")
 
 
+def smooth_base(scene, model):
+    """Soil that can spread on the roller at the lower end of the grid, which has no friction."""
+    soil, cell = model.soil, model.soil.grid.smallest_cell
+    faces, (bottom, top) = scene.grid.faces, extent(soil.constants, 2)
+    if soil.held or not soil.law.plastic or soil.grid.collapsed[2] or scene.gravity[2] >= 0.0:
+        return
+    if faces.z_min != "roller" or bottom > soil.grid.extent[2, 0] + ALMOST:
+        return
+    ends = [(np.abs(np.subtract(extent(soil.constants, axis), soil.grid.extent[axis])) > cell).any() for axis in (0, 1)]
+    lowest = top if soil.heights is None else min(soil.heights[0][2].min(), top)
+    if any(ends) or lowest - bottom < SHALLOW * (top - bottom):
+        yield (f"the soil can spread on the lower end of the grid, z = {bottom:.3g} m, a roller (grid.faces.z_min), which is "
+               "a base without friction: a column of sand let go there gave up 1.7 times the energy, one of clay 1.5 times. "
+               'Set grid.faces = { z_min = "fixed" }, unless the base is as smooth as ice')
+
+
 def _poisson(law):
     """Largest Poisson's ratio of a law's points; 0 of a user's law, whose value is unknown."""
     if law.parameters is None:
@@ -194,4 +211,4 @@ def _poisson(law):
 
 
 LIMITS = (cell_crossing, slab, turned_gravity, domain_update, volumetric_locking, plastic_locking, softening, strong_cone,
-          steep_slopes)
+          steep_slopes, smooth_base)
