@@ -75,8 +75,8 @@ class DampedVibration(Monitor):
         if regular and period >= RESOLVED and lost > LOST and known / ALIKE < lost < ALIKE * known:
             yield "damped", (
                 f"the time integration damps a vibration with {period:.2g} steps in a period: up to t = "
-                f"{view.state.time:.4g} s it loses {min(lost, known):.0%} of its swing in each, limit {LOST:.0%}, and takes longer. "
-                "That is of use where soil is to settle; where the vibration counts, use half the time.step, or "
+                f"{view.state.time:.4g} s it loses {min(lost, known):.0%} of its swing in each, limit {LOST:.0%}, and takes "
+                "longer. That is of use where soil is to settle; where the vibration counts, use half the time.step, or "
                 "time.spectral_radius = 0.5")
 
     def _follow(self, view):
