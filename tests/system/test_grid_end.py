@@ -30,6 +30,7 @@ def test_soil_that_reaches_an_end_of_the_grid_that_holds_it_is_told_once(inertia
     assert "Move grid.x.end outwards" in text
 
 
-@pytest.mark.parametrize("other", [{"end": 2.0}, {"end": 0.5}, {"faces": {"x_max": "free"}}])
+@pytest.mark.parametrize("other", [{"end": 2.0}, {"end": 0.5}, {"faces": {"x_max": "free"}},
+                                   {"faces": {"x_max": "free", "z_min": "fixed"}}])
 def test_other_ends_are_not(other):
     assert notes(**other) == []

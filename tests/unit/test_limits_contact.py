@@ -280,3 +280,13 @@ def test_on_a_slope_bodies_are_judged_from_the_ground_under_them():
     assert not list(contact.unpressed_adhesion(weightless.scene, weightless.model))
     falling = build(replace(scene, time=Time(0.01)))
     assert len(list(contact.light_body(falling.scene, falling.model))) == 1
+
+
+@pytest.mark.parametrize("geometry, size, told", [
+    ("cylinder.geo", 0.5, 1), ("cylinder.geo", 0.25, 0), ("sphere.geo", 0.5, 1), ("sphere.geo", 0.35, 0)])
+def test_a_curved_body_of_elements_as_long_as_its_diameter_is_reported(geometry, size, told):
+    body = Body(GEOMETRY / geometry, 1000.0, name="round", position=(0.0, 0.0, 0.6),
+                parameters={"radius": 0.25, "size": size})
+    simulation = build(plane(body, 1, 0.01))
+    found = list(contact.coarse_facets(simulation.scene, simulation.model))
+    assert len(found) == told and all("parameters.size" in text for text in found)

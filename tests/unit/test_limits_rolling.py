@@ -1,6 +1,8 @@
 """Round bodies at rest on soil whose cells do not resolve their contact: the force that draws them to nodes, and the note
 about it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from contact_bed import ball, box
@@ -48,6 +50,12 @@ def test_a_box_of_eight_vertices_is_not_round():
     """All of which are as far from its middle; a polyhedron of many faces is."""
     for surface, found in ((box(), False), (box(half=(0.3, 0.2, 0.5)), False), (ball(rings=6), True)):
         assert is_round(surface, np.linalg.norm(surface.vertices, axis=1)) == found
+
+
+def test_a_tube_is_as_round_as_its_outside():
+    outer, inner = (ball(rings=8, radius=r) for r in (0.3, 0.15))
+    both = SimpleNamespace(vertices=np.concatenate([outer.vertices, inner.vertices]), normals=outer.normals)
+    assert is_round(both, np.linalg.norm(both.vertices, axis=1))
 
 
 def test_clay_that_begins_without_strength_is_reported_without_a_warning():
@@ -110,14 +118,16 @@ def test_a_roller_that_is_towed_over_clay(cell, told):
 SANDY = {"young": 1e7, "poisson": 0.3, "density": 1800.0, "friction_angle": 32.0, "dilation_angle": 4.0, "cohesion": 500.0}
 
 
-def laid(size=0.1, material=None, load=-9e3, x=0.0, stages=(), **table):
+def laid(size=0.1, material=None, load=-9e3, x=0.0, stages=(), ground=None, parts=1, **table):
     """Texts about a cylinder of 0.6 m laid on soil in a slice of 1 m."""
     material = material or {**CLAY, "strength": 15e3}
-    pipe = Body(GEOMETRY / "cylinder.geo", 100.0, name="pipe", position=(x, 0.5, 0.0), rest_on=0.0, friction=0.4,
-                rotation=(1.0, 0.0, 0.0, 90.0), parameters={"radius": 0.3, "height": 1.0, "size": 0.1}, **table)
+    pipe = Body(GEOMETRY / "cylinder.geo", 100.0, name="pipe", position=(x, 0.5, 0.0), friction=0.4,
+                rotation=(1.0, 0.0, 0.0, 90.0), parameters={"radius": 0.3, "height": 1.0, "size": 0.1},
+                **{"rest_on": 0.0} | table)
     grid = Grid(Axis(-0.8, 0.8, size), Axis(0.0, 1.0, collapsed=True), Axis(-0.6, 0.8, size), Faces(z_min="fixed"))
-    lay = Stage("lay", 4, held=("x", "ry"), loads=(Load(force=(0.0, 0.0, load)),))
-    simulation = build(Scene(name="lay", grid=grid, soil=Soil(Material(**material), top=0.0), bodies=(pipe,),
+    lay = Stage("lay", 4, held=("x", "ry"), loads=(Load(force=(0.0, 0.0, load / parts)),) * parts)
+    soil = Soil(Material(**material), top=0.0, ground=ground, geostatic=ground is None)
+    simulation = build(Scene(name="lay", grid=grid, soil=soil, bodies=(pipe,),
                              time=Time(1.0, inertia=False), stages=(lay, *stages)))
     return [text for limit in (narrow_contact, towed_roller) for text in limit(simulation.scene, simulation.model)]
 
@@ -134,6 +144,8 @@ def test_the_law_of_narrow_contacts_is_what_was_measured(kind, cells, apart):
 @pytest.mark.parametrize("given, told", [
     ({}, "lies on clay on about 0.12 m, 1.2 cells of 0.1 m, limit 3.2"), ({"size": 0.025}, ""),
     ({"material": {**ELASTIC, "young": 5e6}}, "on elastic soil"), ({"material": SANDY}, "on sand"),
+    ({"parts": 3}, "about 0.12 m, 1.2 cells"), ({"ground": ((-0.8, 0.0), (0.8, 0.0))}, "on clay"),
+    ({"ground": ((-0.8, -0.16), (0.8, 0.0)), "rest_on": "ground"}, "on clay"),
     ({"load": -1.6e4}, ""), ({"held": ("z",), "load": 0.0}, "")])
 def test_a_cylinder_laid_on_a_contact_narrower_than_cells_is_told_by_how_much_its_depth_depends_on_its_place(given, told):
     """Not one that sinks so deep that another note tells of it, nor one that is held."""

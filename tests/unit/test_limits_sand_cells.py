@@ -10,7 +10,7 @@ from limit_texts import limit_texts
 
 from hybrid.monitors.limits import clay_cells, sand_cells, shape
 from hybrid.runtime.data import DEMOS
-from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Motion, Soil
+from hybrid.scene import Axis, Faces, Grid, Layer, Load, Material, Motion, Soil, Stage
 from hybrid.scene.file import load_scene
 from hybrid.study.random import afresh
 from hybrid.study.random.fresh import clay, sand
@@ -29,6 +29,14 @@ def test_a_wall_that_ends_in_sand_and_one_that_does_not():
     text, = limit_texts(sand_cells.pushed_walls, sand.footed_wall(8).scene)
     assert "ends 1.3 m deep in sand, 8 cells" in text and "at least 29%" in text and "0.057 m" in text
     assert not limit_texts(sand_cells.pushed_walls, sand.wall().scene)
+
+
+@pytest.mark.parametrize("steps, told", [(18, 1), (10, 2), (22, 2)])
+def test_a_blade_that_goes_back_through_its_furrow_is_told_of_once(steps, told):
+    """1.2 m along, 1 m deep, and back by 1.08, 0.6 m, which is no furrow yet, and 1.32 m, beyond where it began."""
+    ways = [Stage(name, n, motions=(Motion(component="x", velocity=speed),)) for name, n, speed in (
+        ("go", 20, 0.06), ("back", steps, -0.06))]
+    assert len(limit_texts(sand_cells.pushed_walls, replace(blade(90.0), stages=tuple(ways)))) == told
 
 
 @pytest.mark.parametrize("ground, bottom, count", [

@@ -194,3 +194,18 @@ def test_softening_does_not_reach_clay_that_slips_along_a_body():
         simulation = build(replace(described, soil=replace(described.soil, material=material)))
         text, = soil.softening(simulation.scene, simulation.model)
         assert all(word in text for word in words) and ("slips along" in text) == bool(words)
+
+
+SAND = {"law": "mohr-coulomb", "friction_angle": 30.0, "dilation_angle": 0.0, "cohesion": 1e3}
+
+
+@pytest.mark.parametrize("material, values, told", [
+    (SAND, {"upper": (1.0, 2.0, 2.0)}, 1), (SAND, {}, 0),
+    (SAND, {"ground": ((0.0, 2.0), (2.0, 0.4)), "geostatic": False}, 1),
+    (SAND, {"upper": (1.0, 2.0, 2.0), "faces": Faces(z_min="fixed")}, 0), ({}, {"upper": (1.0, 2.0, 2.0)}, 0),
+    (SAND, {"ground": ((0.0, 2.0), (2.0, 1.0)), "geostatic": False}, 0),
+    (SAND, {"upper": (1.0, 2.0, 2.0), "lower": (0.0, 0.0, 1.0)}, 0)])
+def test_soil_that_can_spread_on_a_base_without_friction_is_reported(material, values, told):
+    """Not where it fills the grid, lies deep under a slope, is elastic, or does not reach the base."""
+    found = warned(soil.smooth_base, material, **values)
+    assert len(found) == told and all("a roller (grid.faces.z_min)" in text for text in found)

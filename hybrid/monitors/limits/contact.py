@@ -78,7 +78,7 @@ def coarse_facets(scene, model):
         cosine = np.einsum("tki,ti->tk", outline.corner_normals, outline.normals)[outline.curved]
         angle = np.degrees(np.arccos(np.clip(cosine.min(initial=1.0), -1.0, 1.0)))
         if angle > FACETS:
-            yield (f"{body.name} has elements that are inclined to its curved surface by {angle:.0f} degrees, limit {FACETS:g}: "
+            yield (f"{body.name} has elements inclined to its curved surface by {angle:.0f} degrees, limit {FACETS:g}: "
                    "contact does not find its shape between them (a pipe with elements as long as its diameter went a third "
                    "deeper). Mesh it with elements of a third of its radius (parameters.size)")
 
@@ -237,5 +237,5 @@ def _width(place):
     return float(widths.min() if np.ptp(place, axis=0).all() else widths.max())
 
 
-LIMITS = (low_penalty, low_tangential_stiffness, coarse_facets, narrow_body, narrow_face, thin_wall, unpressed_adhesion, unpressed_bond,
-          light_body, driven_past_grid_end)
+LIMITS = (low_penalty, low_tangential_stiffness, coarse_facets, narrow_body, narrow_face, thin_wall, unpressed_adhesion,
+          unpressed_bond, light_body, driven_past_grid_end)

@@ -80,10 +80,10 @@ def narrow_above(scene, model):
         for width, gap, where in _beside(scene, model.soil, place):
             limit = min(LIFTED * above, width)
             if gap is not None and gap < limit:
-                yield (f"{body.name} is lifted out of soil that ends {gap:.3g} m beside it at {where}, limit {limit:.3g} m by "
-                       f"the {above:.3g} m of soil above it: that soil goes up along the end as a piston, and the load is too "
-                       "low, by 15 % with a third of that height beside the body, by up to half with a fifth. Move the end of "
-                       f"grid.{where[0]} outwards, unless the soil is to end there")
+                yield (f"{body.name} is lifted out of soil that ends {gap:.3g} m beside it at {where}, limit {limit:.3g} m "
+                       f"by the {above:.3g} m of soil above it: that soil goes up along the end as a piston, and the load "
+                       "is too low, by 15 % with a third of that height beside the body, by up to half with a fifth. "
+                       f"Move the end of grid.{where[0]} outwards, unless the soil is to end there")
 
 
 def narrow_ahead(scene, model):

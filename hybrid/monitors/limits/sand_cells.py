@@ -20,7 +20,7 @@ import numpy as np
 from hybrid.monitors.limits.cell_size import EXCESS, settles, smaller_cells
 from hybrid.monitors.limits.loading import driven, loadings, to_failure
 from hybrid.monitors.limits.materials import CLAY, SAND, law_at, material_at, strip_pressure
-from hybrid.monitors.limits.shape import bow, leading_normal, leads, narrowest, sides
+from hybrid.monitors.limits.shape import PLANE, bow, leading_normal, leads, narrowest, sides
 from hybrid.monitors.limits.start import STEEP, covers, levelled, outline, top_of, under_all
 from hybrid.runtime.comm import maximum, minimum
 
@@ -81,12 +81,22 @@ def pushed_walls(scene, model):
 
 def pushed(scene, model, laws, wedge):
     """Texts of a Wedge about walls that end in soil of one of the `laws` and are driven against it."""
-    spaces = (1,) if wedge.in_space is None else (0, 1)
+    spaces, gone = (1,) if wedge.in_space is None else (0, 1), []
     for body, travel, place, *_ in to_failure(scene, model, driven(scene, model)):
+        back = any(body.name == name and _goes_back(travel, way) for name, way in gone)
+        gone.append((body.name, travel))
         depth = depths(scene, model.soil, place, travel, laws, spaces)
+        if depth is not None and back and np.linalg.norm(travel) > depth.ahead:     # through the furrow that it left
+            continue
         angle = None if depth is None else _angle(body, place, travel)
         if angle is not None and angle >= INCLINED and depth.behind <= PASSIVE * depth.ahead:
             yield from _wedge(wedge, body, depth.ahead, model.soil.grid, angle)
+
+
+def _goes_back(travel, way):
+    """Whether a travel is a part of another `way`, the other way round."""
+    length, before = np.linalg.norm(travel), np.linalg.norm(way)
+    return travel @ way < -PLANE * length * before and length <= before
 
 
 def _angle(body, place, travel):
