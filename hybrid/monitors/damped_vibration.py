@@ -24,6 +24,7 @@ WORKS = ("plastic", "friction", "ghost", "pull", "drive", "load")
 REGULAR = 1.5       # longest over shortest time between them
 ALIKE = 1.5         # what is lost over what the scheme takes from an oscillator, at most, or the other way round
 SHORTEST = 2.0      # steps in a true period that are looked at
+FAINT = 1e-5        # of the energy: less is what the tolerance of Newton's method leaves
 RESOLVED = 4.5      # steps in a period: of shorter ones the scheme removes what it is meant to
 
 
@@ -68,7 +69,9 @@ class DampedVibration(Monitor):
         step, kinetic, error, spent = np.array(self._peaks).T
         gaps, left = np.diff(step), np.clip(1.0 + np.diff(error) / kinetic[:-1], 0.0, 1.0)
         period, lost = 2.0 * gaps.mean(), 1.0 - np.prod(left) ** (1.0 / len(gaps))
+        stored = kinetic.max() + view.energy.get("elastic", 0.0) + view.energy.get("contact", 0.0)
         regular = (kinetic[1:] > LASTS * kinetic[:-1]).all() and gaps.max() <= REGULAR * gaps.min()
+        regular = regular and kinetic[0] > FAINT * stored
         # and neither jerks of soil that flows nor a vibration that is forced
         regular = regular and (np.diff(spent) < -np.diff(error)).all()
         known = lost_by(scheme, period)         # else it is lost elsewhere, as where contact opens and closes

@@ -6,7 +6,7 @@ import numpy as np
 from hybrid.runtime.units import force_unit
 
 ALONG = 1e-6    # of the largest component of a force, from which it has one along the ground
-AFTER = ". What comes then, as where a body sinks until it floats, time.inertia = true follows"
+AFTER = ". Set time.inertia = true to follow what moves from then on, as a body that sinks until the soil carries it"
 
 
 def overloads(step, reason, lost):

@@ -47,10 +47,11 @@ class PartedSides(Monitor):
             self._steps[number] = self._steps[number] + 1 if missing and borne < LIMIT * adhesion else 0
             if self._steps[number] >= STEPS:
                 yield number, (
-                    f"the sides of {body.name} bear {borne:.3g} N of the {adhesion:.3g} N of adhesion to the clay beside them "
-                    f"({borne / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: the hole that its foot drives "
-                    "is wider than the body, and the clay stands away from it. Add what is missing by hand, or let the body "
-                    'begin in the soil, or clay carry tension on it (body.tension, "full" for clay that never breaks away)')
+                    f"the sides of {body.name} bear {borne:.3g} N of the {adhesion:.3g} N of adhesion to the clay beside "
+                    f"them ({borne / adhesion:.0%}, limit {LIMIT:.0%}) at t = {view.state.time:.4g} s: the hole that its "
+                    "foot drives is wider than the body, and the clay stands away from it. Add what is missing by hand, or "
+                    "let the body begin in the soil, or clay carry tension on it (body.tension, \"full\" for clay that "
+                    "never breaks away)")
 
     def _of_sides(self, model, body, motion):
         """α s_u A [N] of the sides of a body in the part that is modelled, below the ground as it is at the start."""
@@ -86,7 +87,8 @@ def _sides(soil, body, motion):
     normals = outline.normals @ motion.rotation.T
     chosen = (np.abs(normals[:, 2]) < ALONG) & (np.abs(normals[:, collapsed]) < ALONG).all(axis=1)
     corners = (outline.vertices @ motion.rotation.T + motion.position)[outline.triangles[chosen]]
-    at = [(i + part / 3, j + part / 3) for i in range(PARTS) for j in range(PARTS) for part in (1, 2) if i + j + part <= PARTS]
+    at = [(i + part / 3, j + part / 3) for i in range(PARTS) for j in range(PARTS)
+          for part in (1, 2) if i + j + part <= PARTS]
     weights = np.array([(PARTS - i - j, i, j) for i, j in at]) / PARTS
     share = 0.5 ** sum(not mirror.cut for mirror in body.mirrors)
     for axis in np.flatnonzero(collapsed):      # a body may be longer than the slice

@@ -62,7 +62,7 @@ class Stage:
                      also=("duration", "time"))
     step: float | None = key("duration of each outer step; left out: time.step", "s", default=None, above=0,
                              remedy="leave it out for time.step")
-    pull: bool = key("whether pull lines act", default=True)
+    pull: bool = key("whether pull lines act; their far ends stand still where not", default=True)
     held: tuple[Freedom, ...] = key("translations and rotations of all bodies that stay as they are in this stage, "
                                     "driven ones too", default=())
     gravity: tuple[float, float] = key("shares of gravity that act at the start and at the end of the stage, linear in "

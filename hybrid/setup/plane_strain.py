@@ -21,8 +21,8 @@ def in_slice(body, grid, rotation):
         if not body.surface.is_prism(rotation[axis]):
             raise SceneError(
                 f"body {body.name!r} is no prism along the collapsed axis {letter}: in plane strain all sections of a "
-                f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most; with "
-                f"curved faces, elements small enough for them (parameters.size); or model the third dimension with "
+                f"body across {letter} are equal. Use a prism, such as geometry/box.geo, rotated about {letter} at most, or "
+                "for curved faces smaller elements (parameters.size); or model the third dimension with "
                 f"grid.{letter}.collapsed = false")
         share = thickness / np.ptp(body.surface.vertices @ rotation[axis])
         body = replace(body, mass=body.mass.times(share), free=body.free & ~np.isin(FREEDOMS, out_of_plane(letter)),

@@ -83,7 +83,7 @@ def test_soil_that_does_not_swing_is_not():
     assert all("between rollers" in text for text in notes)
 
 
-def made_up(loss=0.11, spent=0.0, touching=(1,) * 60, peaks=(4, 12, 20, 28, 36)):
+def made_up(loss=0.11, spent=0.0, elastic=0.0, touching=(1,) * 60, peaks=(4, 12, 20, 28, 36)):
     """Notes of steps with maxima of the kinetic energy, 1 J, at `peaks`; from one to the next the balance lacks `loss` [J],
     and `spent` [J] are dissipated in a step; touching: bodies that touch the soil."""
     soil = SimpleNamespace(held=False)
@@ -91,6 +91,7 @@ def made_up(loss=0.11, spent=0.0, touching=(1,) * 60, peaks=(4, 12, 20, 28, 36))
     for n in range(40):
         kinetic = np.exp(-0.5 * min(abs(n - p) for p in peaks))
         energy = {"kinetic": kinetic, "error": -loss * sum(p <= n for p in peaks), **dict.fromkeys(WORKS, 0.0),
+                  "elastic": elastic,
                   "plastic": spent * n}
         report = SimpleNamespace(evaluation=SimpleNamespace(contacts=[[0]] * touching[n]))
         view = StepView(SimpleNamespace(soil=soil), SimpleNamespace(step=n, time=0.1 * n), Scheme.generalised_alpha(0.0),
@@ -101,7 +102,7 @@ def made_up(loss=0.11, spent=0.0, touching=(1,) * 60, peaks=(4, 12, 20, 28, 36))
 
 @pytest.mark.parametrize("steps", [
     {"loss": 0.3}, {"loss": 0.05}, {"spent": 0.1}, {"touching": (1, 1, 1, 1, 1, 1, 1, 1, 1, 0) * 4},
-    {"peaks": (4, 10, 26, 32, 38)}],
-    ids=["more than the scheme takes", "less", "soil that yields", "bounces", "not regular"])
+    {"peaks": (4, 10, 26, 32, 38)}, {"elastic": 2e5}],
+    ids=["more than the scheme takes", "less", "soil that yields", "bounces", "not regular", "faint"])
 def test_each_sign_of_something_else_is_heeded(steps):
     assert len(made_up()) == 1 and not made_up(**steps)

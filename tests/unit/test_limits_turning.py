@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from limit_texts import limit_texts
 
 from hybrid.monitors.limits import LIMITS, turning
 from hybrid.scene import Axis, Faces, Grid, Joint, Load, Material, Motion, Soil
@@ -186,3 +187,16 @@ def test_check_and_runs_ask_for_it():
 def test_the_law_of_a_vane_deep_in_clay_in_plane_strain_is_what_was_measured(cells, least, most):
     """Over 2 π R² s_u, of blades 0.2 m thick and 1 m across."""
     assert least - 0.02 < (1 + turning.BURIED / cells) ** 2 < most
+
+
+@pytest.mark.parametrize("depth, size, spin, told", [
+    (0.95, 0.1, 0.005, 1), (0.9, 0.05, 0.005, 1), (0.95, 0.1, 0.0, 0), (1.0, 0.1, 0.005, 0), (0.5, 0.2, 0.005, 0)])
+def test_a_body_that_is_turned_just_above_the_base_is_told(depth, size, spin, told):
+    """A strip 1 m wide over a base 1 m under the ground; one that stands on it, and one far above, are not."""
+    strip = body("box.geo", {"length": 1.0, "width": 1.0, "height": 0.3, "size": 20.0}, position=(0.0, 0.5, 0.0),
+                 rest_on=-depth, driven=("ry",), held=("x", "z"), spin=(0.0, spin, 0.0), adhesion=1.0)
+    grid = Grid(Axis(-2.0, 2.0, size), Axis(0.0, 1.0, collapsed=True), Axis(-1.0, 0.4, size), Faces(z_min="fixed"))
+    described = scene("turn", grid, Soil(clay.clay(1e4), top=0.0, geostatic=False), [strip],
+                      clay.Time(1.0, inertia=False), 4, WEIGHTLESS)
+    found = limit_texts(turning.turned_on_base, described)
+    assert len(found) == told and all("above the fixed base of the grid, limit 3" in text for text in found)

@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 
 from hybrid.bench.scenes import block
-from hybrid.monitors.limits.place import LIMITS, beside_roller, odd_places, odd_points
+from hybrid.monitors.limits.place import LIMITS, beside_roller, friction_of_one, heavy_body, odd_places, odd_points
 from hybrid.runtime.data import DEMOS, GEOMETRY
 from hybrid.runtime.errors import SceneError
-from hybrid.scene import Axis, Joint, Load, Motion, Pull, Stage, Time
+from hybrid.scene import Axis, Contact, Joint, Load, Motion, Pull, Stage, Time
 from hybrid.scene.check_sense import sense_notes
 from hybrid.scene.defaults import resolve
 from hybrid.scene.file import load_scene, validate
@@ -274,6 +274,27 @@ def hinge(*point):
 def test_a_point_far_from_its_body_gives_a_note(given, words):
     found = points(**given)
     assert len(found) == bool(words) and all(words in note for note in found), found
+
+
+@pytest.mark.parametrize("young, told", [(2e4, 1), (2e5, 0)])
+def test_elastic_soil_that_a_body_would_press_flat_looks_wrong(young, told):
+    """Half a metre of 1 000 kg/m³, 4.9 kPa."""
+    scene = soil_scene([box(0.4, 0.4, 0.5, position=(0.4, 0.4, 0.0), rest_on=0.0)], young=young, gravity=(0.0, 0.0, -9.81))
+    simulation = build(scene)
+    found = list(heavy_body(simulation.scene, simulation.model))
+    assert len(found) == told and all("4.9e+03 Pa by its weight" in note for note in found)
+
+
+@pytest.mark.parametrize("friction, gap, contacts, told", [
+    ((0.3, None), 0.0, (), "upper has no friction"), ((None, 0.3), 0.05, (), "lower has no friction"),
+    ((0.3, 0.0), 0.0, (), ""), ((0.3, 0.3), 0.0, (), ""), ((None, None), 0.0, (), ""), ((0.3, None), 0.5, (), ""),
+    ((0.3, None), 0.0, (Contact(("lower", "upper"), friction=0.3),), "")])
+def test_friction_that_one_of_two_bodies_lacks_is_told(friction, gap, contacts, told):
+    bodies = [box(0.4, 0.4, 0.2, name=name, position=(0.4, 0.4, 0.0), rest_on=at, friction=mu)
+              for name, at, mu in zip(("lower", "upper"), (0.0, 0.2 + gap), friction)]
+    simulation = build(replace(soil_scene(bodies, z=(-0.4, 1.0), gravity=(0.0, 0.0, -9.81)), contacts=contacts))
+    found = list(friction_of_one(simulation.scene, simulation.model))
+    assert len(found) == bool(told) and all(told in note for note in found)
 
 
 # ------------------------------------------------------------------ scenes that are right

@@ -1,5 +1,7 @@
 """Bodies in places, of sizes and with contact that look wrong; like `hybrid.scene.check_sense`, but by the mesh."""
 
+from itertools import combinations
+
 import numpy as np
 
 from hybrid.body.paths import path_along
@@ -258,4 +260,22 @@ def heavy_body(scene, model):
                    "and more; is it a number of kPa?")
 
 
-LIMITS = (odd_places, beside_roller, outside_window, odd_points, odd_penalty, odd_halves, heavy_body)
+def friction_of_one(scene, model):
+    """Bodies that begin less than a cell apart, one of which has friction, and the other is left without."""
+    given = {frozenset(contact.bodies) for contact in scene.contacts if contact.friction is not None}
+    places, cell = [initial_vertices(*each) for each in zip(scene.bodies, model.bodies)], model.soil.grid.smallest_cell
+    for i, j in combinations(range(len(places)), 2):
+        pair = sorted((scene.bodies[i], scene.bodies[j]), key=lambda body: body.friction is None)
+        joined = any({body.name for body in pair} == set(joint.bodies) for joint in scene.joints)
+        names = frozenset(body.name for body in pair)
+        near = [(place.min(axis=0) - 0.5 * cell, place.max(axis=0) + 0.5 * cell) for place in (places[i], places[j])]
+        if joined or names in given or not pair[0].friction or pair[1].friction is not None:
+            continue
+        if (near[0][0] < near[1][1]).all() and (near[1][0] < near[0][1]).all():
+            yield (f"{pair[1].name} has no friction (body.friction is left out), so that its contact with {pair[0].name}, "
+                   f"which has {pair[0].friction:g}, has none: the smaller of the two counts. Give it friction too, or that "
+                   "of the two alone in [[contact]]")
+
+
+LIMITS = (odd_places, beside_roller, outside_window, odd_points, odd_penalty, odd_halves, heavy_body,
+          friction_of_one)

@@ -194,12 +194,12 @@ def smooth_base(scene, model):
         return
     if faces.z_min != "roller" or bottom > soil.grid.extent[2, 0] + ALMOST:
         return
-    ends = [(np.abs(np.subtract(extent(soil.constants, axis), soil.grid.extent[axis])) > 0.5 * cell).any() for axis in (0, 1)]
+    ends = [np.abs(np.subtract(extent(soil.constants, axis), soil.grid.extent[axis])).max() for axis in (0, 1)]
     lowest = top if soil.heights is None else min(soil.heights[0][2].min(), top)
-    if any(ends) or lowest - bottom < SHALLOW * (top - bottom):
-        yield (f"the soil can spread on the lower end of the grid, z = {bottom:.3g} m, a roller (grid.faces.z_min), which is "
-               "a base without friction: a column of sand let go there gave up 1.7 times the energy, one of clay 1.5 times. "
-               'Set grid.faces = { z_min = "fixed" }, unless the base is as smooth as ice')
+    if max(ends) > 0.5 * cell or lowest - bottom < SHALLOW * (top - bottom):
+        yield (f"the soil can spread on the lower end of the grid, z = {bottom:.3g} m, a roller (grid.faces.z_min), which "
+               "is a base without friction: a column of sand let go there gave up 1.7 times the energy, one of "
+               'clay 1.5. Set grid.faces = { z_min = "fixed" }, unless the base is as smooth as ice')
 
 
 def _poisson(law):
