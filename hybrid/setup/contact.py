@@ -71,8 +71,9 @@ def _beside_edges(described, body, motion, soil, gravity, plane):
     flows = soil.law.plastic and not body.below_capacity
     pointed = body.driven[2] and not base_share(body.outline, motion.rotation)
     beside = _beside(body, motion, soil)
-    slides = (body.driven[:2] & ~beside).any() or not carried and (
-        pointed or described.pull or (np.array(described.velocity)[:2] * ~beside).any())
+    along = ~beside & (soil.law.plastic or not _is_in(body, motion, soil))
+    slides = (body.driven[:2] & along).any() or not carried and (
+        pointed or described.pull or (np.array(described.velocity)[:2] * along).any())
     if not carried:
         body = replace(body, narrowest=narrowest_face(edges, cell))
     if flows or slides or plane and stands_on_edge(body, motion, soil):
@@ -81,6 +82,12 @@ def _beside_edges(described, body, motion, soil, gravity, plane):
     ends = ends[~_at_ends_of(soil, motion.position + ends @ motion.rotation.T, ~beside)]
     width = max((np.diff(nodes).min() for nodes in soil.grid.lines[:2] if len(nodes) > 1), default=cell)    # of cells
     return replace(body, soft_edges=soft_edges(ends, body.penalty, width))
+
+
+def _is_in(body, motion, soil):
+    """Whether a body begins at least half a cell deep in the soil, whose elastic part ahead of it stays there."""
+    bottom = motion.position[2] - body.outline.extent(-motion.rotation[2])
+    return bottom < extent(soil.constants, 2)[1] - 0.5 * soil.grid.smallest_cell
 
 
 def _beside(body, motion, soil):

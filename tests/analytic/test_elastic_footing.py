@@ -89,3 +89,17 @@ def test_bodies_that_slide_along_have_rounded_edges(table, gravity, soft):
     block = box(0.4, 0.4, 0.2, position=(0.4, 0.4, 0.0), rest_on=0.0, **table)
     body = build(soil_scene([block], gravity=(0.0, 0.0, gravity))).model.bodies[0]
     assert (body.soft_edges is not None) == soft and (body.surface is body.outline) == soft
+
+
+@pytest.mark.parametrize("cells, expected", [(4, 4.68e6), (8, 4.59e6)])
+def test_a_wall_driven_into_elastic_soil_is_as_stiff_as_one_that_a_load_moves(cells, expected):
+    """0.4 m thick and 0.8 m deep, by 10 mm; both tend to 4.5 MN/m. With rounded edges 5.03 and 4.75 MN/m."""
+    size = 0.8 / cells
+    wall = box(0.4, 1.0, 1.0, size=20.0, density=2500.0, position=(0.0, 0.5, -0.3), held=("z", "ry"), friction=0.3)
+    push = Stage("push", 3, motions=(Motion(component="x", displacement=((0.0, 0.0), (3.0, 0.01))),))
+    grid = Grid(Axis(-3.0, 3.0, size), Axis(0.0, 1.0, collapsed=True), Axis(-2.0, 0.6, size), Faces(z_min="fixed"))
+    soil = Soil(Material(law="hencky", young=5e6, poisson=0.3, density=1800.0), top=0.0)
+    simulation = build(Scene(name="wall", grid=grid, bodies=(wall,), time=Time(1.0, inertia=False), output=NO_OUTPUT,
+                             soil=soil, stages=(push,)))
+    *_, last = simulation.steps()
+    assert -last.bodies[0].contact_force[0] / 0.01 == pytest.approx(expected, rel=0.003)

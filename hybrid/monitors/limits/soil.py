@@ -187,10 +187,10 @@ def steep_slopes(scene, model):
 
 
 def smooth_base(scene, model):
-    """Soil that can spread on the roller at the lower end of the grid, which has no friction."""
+    """Soil that no body holds back and that can spread on the roller at the lower end of the grid, which has no friction."""
     soil, cell = model.soil, model.soil.grid.smallest_cell
     faces, (bottom, top) = scene.grid.faces, extent(soil.constants, 2)
-    if soil.held or not soil.law.plastic or soil.grid.collapsed[2] or scene.gravity[2] >= 0.0:
+    if soil.held or not soil.law.plastic or soil.grid.collapsed[2] or scene.gravity[2] >= 0.0 or scene.bodies:
         return
     if faces.z_min != "roller" or bottom > soil.grid.extent[2, 0] + ALMOST:
         return
