@@ -9,7 +9,7 @@ and 0.2 m; one that is in the soil from the start 82 and 78 %. The skirts of a c
 import numpy as np
 
 from hybrid.monitors.monitor import Monitor
-from hybrid.runtime.comm import gathered, total
+from hybrid.runtime.comm import gathered, maximum, total
 from hybrid.scene.ground import heights_at
 
 LIMIT = 0.6     # share of the adhesion of the sides that they bear
@@ -61,8 +61,8 @@ class PartedSides(Monitor):
         height, strength = self._strength
         top = height[-1] if model.soil.heights is None else np.minimum(
             heights_at(model.soil.heights[0], place[:, :2]), model.soil.heights[1])
-        under = place[:, 2] < top
-        return float(body.interface.adhesion * (area * np.interp(place[:, 2], height, strength))[under].sum())
+        under = np.where(place[:, 2] < top, area, 0.0)
+        return float(body.interface.adhesion * under @ np.interp(place[:, 2], height, strength))
 
 
 def _adheres(body):
@@ -75,7 +75,7 @@ def _strength_by_height(soil):
     constants = soil.constants
     height = gathered(constants.position[:, 2])
     strength = gathered(np.where(soil.law.undrained, soil.law.shear_strength(0.0), 0.0))
-    top = gathered(constants.position[:, 2] + constants.half_width[:, 2]).max()
+    top = maximum(constants.position[:, 2] + constants.half_width[:, 2])
     rows, row = np.unique(height.round(9), return_inverse=True)
     mean = np.bincount(row, strength) / np.bincount(row)
     return np.append(rows, top), np.append(mean, mean[-1])
