@@ -15,6 +15,7 @@ from hybrid.scene.ground import heights_at
 LIMIT = 0.6     # share of the adhesion of the sides that they bear
 MATTERS = 0.1   # of the force on the body, along its motion: what is missing
 STEPS = 3       # in a row
+SLIPS = 0.05    # of a cell: way from which on they bear what they can
 UPRIGHT = 0.98  # cosine between a motion and the vertical
 ALONG = 0.2     # cosine between a motion and the normals of sides
 PARTS = 8       # of an edge of a triangle, whose middles stand for its area
@@ -28,7 +29,7 @@ class PartedSides(Monitor):
 
     def __init__(self, model, state):
         super().__init__(model, state)
-        self._steps = [0] * len(model.bodies)
+        self._steps, self._way = [0] * len(model.bodies), [0.0] * len(model.bodies)     # the way since a body turned round
         self._last = [motion.position.tolist() for motion in state.bodies] if any(map(_adheres, model.bodies)) else []
         self._strength = None
 
@@ -40,6 +41,9 @@ class PartedSides(Monitor):
             length = np.linalg.norm(moved)
             if not _adheres(body) or length == 0.0 or abs(moved[2]) < UPRIGHT * length:
                 continue
+            way = self._way[number] = float(moved[2]) + self._way[number] * (moved[2] * self._way[number] > 0.0)
+            if abs(way) < SLIPS * view.model.soil.grid.smallest_cell:
+                continue        # what the sides bear grows with it
             adhesion = self._of_sides(view.model, body, motion)
             side = np.abs(contact.normal[:, 2]) < ALONG
             borne = abs(float(total(contact.shear[side])[2]))

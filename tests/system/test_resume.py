@@ -246,7 +246,8 @@ def test_a_body_that_touches_something_later_is_not_said_to_have_touched_nothing
         return scene(geometry, steps, driven)
 
     def notes():
-        return [text for text in json.loads((tmp_path / "summary.json").read_text())["notes"] if "at the end of any step" in text]
+        given = json.loads((tmp_path / "summary.json").read_text())["notes"]
+        return [text for text in given if "at the end of any step" in text]
 
     hybrid.run(described(2), out=tmp_path, quiet=True)
     assert len(notes()) == 1

@@ -27,7 +27,7 @@ def pile(size=0.25, layers=(), strength=4e3, **table):
                        bodies=(body,), time=Time(1.0, inertia=False), stages=(Stage("draw", 1),), output=NO_OUTPUT))
 
 
-def notes(simulation, ways=((0.0, 0.0, 0.01),) * STEPS, shear=0.0, force=1e4, normal=(1.0, 0.0, 0.0), **body):
+def notes(simulation, ways=((0.0, 0.0, 0.02),) * STEPS, shear=0.0, force=1e4, normal=(1.0, 0.0, 0.0), **body):
     """Of steps in which the pile goes these ways, with a side that bears so much [N]."""
     model = simulation.model
     model = replace(model, bodies=tuple(replace(one, **body) for one in model.bodies))
@@ -54,11 +54,16 @@ def test_sides_that_bear_little_are_told_with_the_adhesion_of_all_of_them(table,
     assert notes(simulation, shear=-0.7 * sides) == []
 
 
+UP = (0.0, 0.0, 0.02)
+
+
 @pytest.mark.parametrize("given", [
-    {"ways": ((0.0, 0.0, 0.01),) * (STEPS - 1)}, {"ways": ((0.01, 0.0, 0.01),) * 9}, {"ways": ((0.0, 0.0, 0.0),) * 9},
-    {"force": 1e6}, {"friction": 0.3}, {"interface": None}])
+    {"ways": (UP,) * (STEPS - 1)}, {"ways": ((0.0, 0.0, 1e-4),) * 9}, {"ways": ((0.0, 0.0, 0.01), (0.0, 0.0, -0.01)) * 9},
+    {"ways": ((0.02, 0.0, 0.02),) * 9}, {"ways": ((0.0, 0.0, 0.0),) * 9}, {"force": 1e6}, {"friction": 0.3},
+    {"interface": None}])
 def test_others_are_not(given):
-    """Too few steps, along the ground, at rest, where other forces are much larger, and without adhesion."""
+    """Too few steps, too short ones, to and fro, along the ground, at rest, where other forces are much larger, and without
+    adhesion."""
     assert notes(pile(), **given) == []
 
 
