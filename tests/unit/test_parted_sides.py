@@ -50,7 +50,7 @@ def test_sides_that_bear_little_are_told_with_the_adhesion_of_all_of_them(table,
     text, = notes(simulation, shear=-0.3 * sides)
     assert text.startswith("the sides of pile bear ") and "limit 60%" in text
     bears, of = (float(word) for word in (text.split()[5], text.split()[9]))
-    assert bears == pytest.approx(0.3 * sides, rel=0.01) and of == pytest.approx(sides, rel=0.04)
+    assert bears == pytest.approx(0.3 * sides, rel=0.01) and of == pytest.approx(sides, rel=0.07)
     assert notes(simulation, shear=-0.7 * sides) == []
 
 
