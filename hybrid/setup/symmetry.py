@@ -26,9 +26,9 @@ from hybrid.setup.stages import point_of
 
 IN_PLANE = 1e-6     # of the size of a body: cut faces nearer to the plane are in it
 MIDDLE = 0.02       # the same of the middle of a body across the plane, whose facets need not be symmetric
-# The same between its surface and its mirror image: up to 0.0003 of round bodies, 0.0017 of a box tilted by 0.1°, 0.02 of
-# a ball of 16 facets around, which a body has that is not turned
-ALIKE, DRAWN_ALIKE = 0.003, MIDDLE
+# The same between its surface and its mirror image, 0.0017 of a box tilted by 0.1°; and more where facets are curved, of
+# what they rise by between their corners: up to 0.0003 of round bodies of fine ones, 0.046 of a ball of 14 facets
+ALIKE, OF_FACETS = 0.003, 0.15
 
 
 def with_symmetry(scene, meshes):
@@ -95,8 +95,11 @@ def _surface_is_symmetric(described, mesh, a, at, size):
     place = np.array(described.position or (0.0, 0.0, 0.0))
     image = place + surface.vertices @ turn.T
     image[:, a] = 2.0 * at - image[:, a]
-    share = ALIKE if described.rotation else DRAWN_ALIKE
-    return np.abs(distances((image - place) @ turn, surface)[0]).max() < share * size
+    corners = surface.vertices[surface.triangles[surface.curved]]
+    length = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    cosine = np.einsum("tki,ti->tk", surface.corner_normals, surface.normals)[surface.curved].min(axis=1)
+    rises = (length * np.sqrt(np.clip(1.0 - cosine**2, 0.0, 1.0))).max(initial=0.0)
+    return np.abs(distances((image - place) @ turn, surface)[0]).max() < ALIKE * size + OF_FACETS * rises
 
 
 def _all_mirrors(scene, meshes):
