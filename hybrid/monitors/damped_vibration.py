@@ -75,10 +75,11 @@ class DampedVibration(Monitor):
         # and neither jerks of soil that flows nor a vibration that is forced
         regular = regular and (np.diff(spent) < -np.diff(error)).all()
         known = lost_by(scheme, period)         # else it is lost elsewhere, as where contact opens and closes
-        if regular and period >= RESOLVED and lost > LOST and known / ALIKE < lost < ALIKE * known:
+        alike, lost = known / ALIKE < lost < ALIKE * known, min(lost, known)
+        if regular and period >= RESOLVED and lost > LOST and alike:
             yield "damped", (
                 f"the time integration damps a vibration with {period:.2g} steps in a period: up to t = "
-                f"{view.state.time:.4g} s it loses {min(lost, known):.0%} of its swing in each, limit {LOST:.0%}, and takes "
+                f"{view.state.time:.4g} s it loses {lost:.0%} of its swing in each, limit {LOST:.0%}, and takes "
                 "longer. That is of use where soil is to settle; where the vibration counts, use half the time.step, or "
                 "time.spectral_radius = 0.5")
 

@@ -36,14 +36,28 @@ def stands_on(body, motion, soil, gravity):
     return -FLUSH <= gap / soil.grid.smallest_cell <= NEAR
 
 
-def undisturbed(name, placed, carried):
-    """Whether no other body of the `placed` (RigidBody, BodyState) than the one of this name moves by a guide, a line or a
-    velocity at the start, or has loads, but for what loads those that are `carried` by it."""
-    bears_loads_of = {name, *(body.name for body, _, _ in carried)}
-    others = [(body, motion) for body, motion in placed if body.name != name]
+def undisturbed(number, placed, joints, carried, soil):
+    """Whether no other body of the `placed` (RigidBody, BodyState) than this one moves by a guide, a line or a velocity at
+    the start, falls, or has loads, but for what loads those that are `carried` by it."""
+    names = {placed[number][0].name, *(body.name for body, _, _ in carried)}     # whose loads count for it
+    others = [(body, motion) for body, motion in placed if body.name != placed[number][0].name]
     moving = any(body.line or body.driven.any() or motion.velocity.any() or motion.spin.any() for body, motion in others)
-    return not (moving or any(control.points or control.loads and body.name not in bears_loads_of
-                              for body, _ in others for control in body.stages))
+    changed = any(control.points or control.released.any() or control.loads and body.name not in names
+                  for body, _ in others for control in body.stages)
+    return not (moving or changed or _falling(placed, joints, soil) - {number})
+
+
+def _falling(placed, joints, soil):
+    """Numbers of the bodies that are free to come down, and that neither a joint nor soil or a body under them holds."""
+    boxes, near = [_box(*each) for each in placed], NEAR * soil.grid.smallest_cell
+    top, held = extent(soil.constants, 2)[1], {number for joint in joints for number in joint.bodies}
+    found = set()
+    for number, (low, high) in enumerate(boxes):
+        under = [top, *(end[2] for other, (start, end) in enumerate(boxes)
+                        if other != number and (start < high)[:2].all() and (end > low)[:2].all() and start[2] < low[2])]
+        if placed[number][0].free[2] and number not in held and low[2] > max(under) + near:
+            found.add(number)
+    return found
 
 
 def carried_by_each(placed, joints, soil):

@@ -90,8 +90,10 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
     parts = [(in_part(body, planes), motion) for (body, motion), planes in zip(placed, mirrors)]
-    bodies = [_connected(*one, soil, gravity, alone=undisturbed(one[0].name, placed, one[4]))
-              for one in zip(scene.bodies, meshes, mirrors, placed, carried_by_each(parts, joints, soil))]
+    carried = carried_by_each(parts, joints, soil)
+    heaviest = gravity * max([1.0, *(share for stage in scene.stages for share in stage.gravity)])
+    bodies = [_connected(*one, soil, heaviest, alone=undisturbed(i, placed, joints, one[4], soil))
+              for i, one in enumerate(zip(scene.bodies, meshes, mirrors, placed, carried))]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     removed_soil = []
     if any(inside):
@@ -119,7 +121,7 @@ def _put_together(scene, decisions, accuracy, body_force, law):
 
 def _connected(described, mesh, mirrors, placed, carried, soil, gravity, alone):
     """RigidBody with its contact, its planes of symmetry and the parts of its surface; placed: (RigidBody, BodyState);
-    carried, alone: as in `connect_to_soil`."""
+    gravity: the largest [m/s²] of all stages; carried, alone: as in `connect_to_soil`."""
     body, motion = replace(in_part(placed[0], mirrors), mirrors=mirrors), placed[1]
     connected = connect_to_soil(described, body, motion, soil, gravity, alone, carried)
     parts = surface_parts(mesh, body.outline, connected.surface, motion.rotation[soil.grid.collapsed],

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hybrid.runtime.data import GEOMETRY
-from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Pull, Scene, Soil, Stage, Time
+from hybrid.scene import Axis, Body, Faces, Grid, Joint, Load, Material, Motion, Pull, Scene, Soil, Stage, Time
 from hybrid.setup.bearing import base_share
 from hybrid.setup.build import build
 from hybrid.study.scenes import NO_OUTPUT
@@ -180,6 +180,8 @@ BESIDE = {"position": (3.2, 3.2, 0.0), "rest_on": 1.0, "held": ("x", "y", "z", "
     ({"rest_on": None, "position": (0.0, 0.0, 0.25)}, None, 500), ({"rest_on": "ground"}, None, 500),
     ({"rest_on": 0.009}, None, 500), ({}, BESIDE, 500), ({}, BESIDE | {"rest_on": 0.0, "held": ("x", "y")}, 500),
     ({}, BESIDE | {"driven": ("z",), "held": ("x", "y"), "velocity": (0.0, 0.0, -0.1)}, 20),
+    ({}, BESIDE | {"rest_on": 0.1, "held": ("x", "y")}, 20), ({}, {"position": (0.0, 0.0, 0.0), "rest_on": 0.7}, 20),
+    ({}, {"position": (0.0, 0.0, 0.0), "rest_on": 0.5}, 500),
     ({}, BESIDE | {"driven": ("z",), "held": ("x", "y")}, 500),
     ({}, BESIDE | {"held": ("x", "y"), "pull": Pull((0.0, 0.0, 0.0), (0.0, 0.0, 0.1), 1e5, 1.0)}, 20)])
 def test_a_body_that_stands_by_its_weight_is_so_however_it_is_put_there_and_beside_what_stands_still(place, other, expected):
@@ -191,6 +193,25 @@ def test_a_body_that_stands_by_its_weight_is_so_however_it_is_put_there_and_besi
     scene = replace(scene, bodies=(body, *others), gravity=(0.0, 0.0, -9.81), stages=(Stage("rest", 1),),
                     soil=replace(scene.soil, geostatic=False))
     assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+@pytest.mark.parametrize("share, expected", [(1.0, 500), (0.5, 500), (3.0, 20)])
+def test_the_largest_gravity_of_all_stages_counts(share, expected):
+    scene = pad(4).scene
+    scene = replace(scene, bodies=(replace(scene.bodies[0], density=3900.0),), gravity=(0.0, 0.0, -9.81),
+                    stages=(Stage("rest", 1), Stage("more", 1, gravity=(1.0, share))),
+                    soil=replace(scene.soil, geostatic=False))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(expected * 4 / WIDTH)
+
+
+def test_a_body_that_a_later_stage_lets_fall_does_not_stand_still():
+    scene = pad(4).scene
+    other = Body(GEOMETRY / "box.geo", 100.0, name="other", parameters={
+        "length": 0.5, "width": 0.5, "height": 0.5, "size": 5.0}, **BESIDE)
+    fall = Stage("fall", 1, motions=(Motion(body="other", free=("z",)),))
+    scene = replace(scene, bodies=(replace(scene.bodies[0], density=3900.0), other), gravity=(0.0, 0.0, -9.81),
+                    stages=(Stage("rest", 1), fall), soil=replace(scene.soil, geostatic=False))
+    assert build(scene).model.bodies[0].penalty == pytest.approx(20 * 4 / WIDTH)
 
 
 def test_a_load_on_what_it_carries_counts_for_a_body_that_stands_by_its_weight():
