@@ -265,14 +265,15 @@ def test_a_body_that_goes_forwards_and_down_goes_forwards_as_deep_as_in_the_end(
 def test_a_body_on_which_a_driven_one_stands_is_judged_as_if_it_were_driven():
     """And not where that one is lifted, stands beside it, or does not reach it."""
     found = []
-    for x, speed, gap in ((0.0, -0.05, 0.0), (0.0, 0.05, 0.0), (3.0, -0.05, 0.0), (0.0, -0.05, 0.3), (0.0, -0.05, 0.1)):
+    for x, speed, gap in ((0.0, -0.05, 0.0), (0.0, 0.05, 0.0), (3.0, -0.05, 0.0), (0.0, -0.05, 0.3), (0.0, -0.05, 0.1),
+                          (0.0, -0.1, 0.3)):
         strip = described(Stage("press", 4), material=CLAY, size=(1.0, 1.0), z=0.5)
         (lower,) = strip.bodies
         upper = replace(lower, name="upper", position=tuple(np.add(lower.position, (x, 0.0, 1.0 + gap))), driven=("z",),
                         velocity=(0.0, 0.0, speed))
         simulation = build(replace(strip, bodies=(replace(lower, driven=(), held=("ry",)), upper)))
         found.append([body.name for body, *_ in driven(simulation.scene, simulation.model)])
-    assert found == [[lower.name], [], [], [], [lower.name]]
+    assert found == [[lower.name], [], [], [], [lower.name], [lower.name]]
 
 
 ROD = Joint("rod", "rod", ("strip", "ram"), point=(0.4, 0.0, 0.0), end=(-0.4, 0.0, 0.0))
@@ -296,6 +297,17 @@ def test_what_a_ram_beside_it_a_rod_a_line_or_a_hinge_moves_counts_as_driven(joi
     simulation = build(replace(scene, bodies=(strip, ram), joints=joints))
     found = [float(way[0]) for body, way, *_ in driven(simulation.scene, simulation.model) if body.name == "strip"]
     assert found == ([] if travel is None else [pytest.approx(travel)])
+
+
+def test_a_rod_across_a_motion_hands_nothing_on():
+    """An upright one, whose upper end goes along the ground."""
+    scene = described(Stage("push", 10), material=CLAY, size=(1.0, 1.0), z=-0.5)
+    (strip,) = scene.bodies
+    crane = replace(strip, name="crane", position=(0.0, 0.5, 1.4), held=("z", "ry"), driven=("x",),
+                    velocity=(0.01, 0.0, 0.0))
+    rod = Joint("rod", "rod", ("strip", "crane"), point=(0.0, 0.0, 0.5), end=(0.0, 0.0, -0.5))
+    simulation = build(replace(scene, bodies=(replace(strip, driven=(), held=("ry",)), crane), joints=(rod,)))
+    assert [body.name for body, *_ in driven(simulation.scene, simulation.model) if body.name == "strip"] == []
 
 
 def test_ropes_and_lines_do_not_press():
