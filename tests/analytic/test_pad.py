@@ -199,7 +199,8 @@ def test_a_body_that_stands_by_its_weight_is_so_however_it_is_put_there_and_besi
 def test_a_body_that_hangs_above_it_does_not_fall(hangs, expected):
     size = {"length": 0.5, "width": 0.5, "height": 0.5, "size": 5.0}
     hook, load = (Body(GEOMETRY / "box.geo", 100.0, name=name, parameters=size, position=(2.6, 2.6, 0.0), rest_on=at,
-                       held=held) for name, at, held in (("hook", 1.4, ("x", "y", "z", "rx", "ry", "rz")), ("load", 0.5, ())))
+                       held=held) for name, at, held in (
+                           ("hook", 1.4, ("x", "y", "z", "rx", "ry", "rz")), ("load", 0.5, ())))
     joints = (Joint("ball", "ball", ("hook", "load"), (2.6, 2.6, 1.2)),) if hangs else ()
     scene = pad(4).scene
     scene = replace(scene, bodies=(replace(scene.bodies[0], density=3900.0), hook, load), gravity=(0.0, 0.0, -9.81),

@@ -36,10 +36,10 @@ def test_a_side_near_the_body_is_told_with_its_distance_in_widths():
 
 @pytest.mark.parametrize("x, depth, velocity, told", [
     ((-1.0, 0.3), 0.5, 0.1, 1), ((-1.0, 0.35), 0.5, 0.1, 0), ((0.0, 0.3), 0.5, 0.1, 1), ((-1.0, 0.3), 0.3, 0.1, 0),
-    ((-1.0, 0.3), 0.5, -0.1, 0), ((-1.0, 0.25), 0.1, 0.1, 0)])
+    ((-1.0, 0.3), 0.5, -0.1, 0), ((-1.0, 0.25), 0.1, 0.1, 0), ((-1.0, 0.65), 1.3, 0.1, 0)])
 def test_a_side_near_a_body_that_is_lifted_is_told(x, depth, velocity, told):
-    """With its base so deep, 0.2 m high; the last one is not covered."""
-    found = texts(x=x, depth=1.0, rest_on=-depth, velocity=(0.0, 0.0, velocity), limit=narrow_above)
+    """With its base so deep, 0.2 m high; one is not covered, the last is so deep that a width counts."""
+    found = texts(x=x, depth=1.5, rest_on=-depth, velocity=(0.0, 0.0, velocity), limit=narrow_above)
     assert len(found) == told
     assert all("ends 0.1 m beside it at x = 0.3 m, limit 0.135 m by the 0.3 m of soil" in text for text in found)
 

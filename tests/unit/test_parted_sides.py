@@ -16,15 +16,16 @@ CLAY = Material(law="von-mises", young=2e6, poisson=0.49, density=1700.0, streng
 SIDES = 2 * 1.2 * 0.5 * 4e3     # α s_u A [N] of both sides of a slice of 1 m
 
 
-def pile(size=0.25, layers=(), strength=4e3, **table):
+def pile(size=0.25, layers=(), strength=4e3, ground=None, **table):
     """Simulation of a strip 0.5 m wide, 1.2 m deep in clay from the start, half of it where x begins at 0."""
     start = table.pop("start", -1.5)
     body = box(0.5, 3.0, 2.0, size=20.0, name="pile", **{
         "position": (0.0, 0.5, -0.2), "held": ("x", "ry"), "driven": ("z",), "velocity": (0.0, 0.0, 0.01),
         "adhesion": 0.5} | table)
     grid = Grid(Axis(start, 1.5, size), Axis(0.0, 1.0, collapsed=True), Axis(-2.0, 1.5, size), Faces(z_min="fixed"))
-    return build(Scene(name="pile", grid=grid, soil=Soil(replace(CLAY, strength=strength), top=0.0, layers=layers),
-                       bodies=(body,), time=Time(1.0, inertia=False), stages=(Stage("draw", 1),), output=NO_OUTPUT))
+    soil = Soil(replace(CLAY, strength=strength), top=0.0, layers=layers, ground=ground, geostatic=ground is None)
+    return build(Scene(name="pile", grid=grid, soil=soil, bodies=(body,), time=Time(1.0, inertia=False),
+                       stages=(Stage("draw", 1),), output=NO_OUTPUT))
 
 
 def notes(simulation, ways=((0.0, 0.0, 0.02),) * STEPS, shear=0.0, force=1e4, normal=(1.0, 0.0, 0.0), **body):
@@ -42,9 +43,9 @@ def notes(simulation, ways=((0.0, 0.0, 0.02),) * STEPS, shear=0.0, force=1e4, no
 
 
 @pytest.mark.parametrize("table, sides", [
-    ({}, SIDES), ({"start": 0.0}, SIDES / 2),
+    ({}, SIDES), ({"start": 0.0}, SIDES / 2), ({"ground": ((-1.5, -0.5), (1.5, -0.5))}, SIDES * 0.7 / 1.2),
     ({"layers": (Layer("lower", top=-0.6, material={"strength": 8e3}),)}, 1.5 * SIDES)],
-    ids=["whole", "half", "layers"])
+    ids=["whole", "half", "lower ground", "layers"])
 def test_sides_that_bear_little_are_told_with_the_adhesion_of_all_of_them(table, sides):
     simulation = pile(**table)
     text, = notes(simulation, shear=-0.3 * sides)
