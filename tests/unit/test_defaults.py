@@ -213,3 +213,10 @@ def test_what_is_built_is_the_decided_scene():
     assert left_out.scene == named.scene and named.decisions == ()
     assert left_out.model.bodies[0].penalty == named.model.bodies[0].penalty
     assert left_out.model.scheme == named.model.scheme
+
+
+@pytest.mark.parametrize("ground, kept", [(((0.0, 0.0), (1.0, 0.0)), False), (((0.0, 0.1), (1.0, 0.0)), False),
+                                          (((0.0, 0.0), (1.0, -0.01)), True)])
+def test_ground_that_takes_nothing_away_from_the_soil_is_none(ground, kept):
+    scene = soil_scene(ground=ground)
+    assert (resolve(scene)[0].soil.ground is not None) == kept
