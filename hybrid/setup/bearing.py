@@ -36,18 +36,18 @@ def stands_on(body, motion, soil, gravity):
     return -FLUSH <= gap / soil.grid.smallest_cell <= NEAR
 
 
-def undisturbed(number, placed, joints, carried, soil):
+def undisturbed(number, placed, falling, carried):
     """Whether no other body of the `placed` (RigidBody, BodyState) than this one moves by a guide, a line or a velocity at
-    the start, falls, or has loads, but for what loads those that are `carried` by it."""
+    the start, is one of the `falling`, or has loads, but for what loads those that are `carried` by it."""
     names = {placed[number][0].name, *(body.name for body, _, _ in carried)}     # whose loads count for it
     others = [(body, motion) for body, motion in placed if body.name != placed[number][0].name]
     moving = any(body.line or body.driven.any() or motion.velocity.any() or motion.spin.any() for body, motion in others)
     changed = any(control.points or control.released.any() or control.loads and body.name not in names
                   for body, _ in others for control in body.stages)
-    return not (moving or changed or _falling(placed, joints, soil) - {number})
+    return not (moving or changed or falling - {number})
 
 
-def _falling(placed, joints, soil):
+def falling_bodies(placed, joints, soil):
     """Numbers of the bodies that are free to come down, and that neither a joint nor soil or a body under them holds."""
     boxes, near = [_box(*each) for each in placed], NEAR * soil.grid.smallest_cell
     top, held = extent(soil.constants, 2)[1], {number for joint in joints for number in joint.bodies}

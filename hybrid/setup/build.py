@@ -14,7 +14,7 @@ from hybrid.scene.defaults import resolve
 from hybrid.scene.file import validate
 from hybrid.scheme import Scheme
 from hybrid.setup import on_ground
-from hybrid.setup.bearing import carried_by_each, undisturbed
+from hybrid.setup.bearing import carried_by_each, falling_bodies, undisturbed
 from hybrid.setup.bodies import build_body, mesh_of, refuse_outside
 from hybrid.setup.body_contact import build_pairs, refuse_overlap_of_bodies
 from hybrid.setup.contact import connect_to_soil
@@ -90,9 +90,9 @@ def _put_together(scene, decisions, accuracy, body_force, law):
     soil, points = build_soil(scene, grid, loads, law)
     motions, contacts = [motion for _, motion in placed], [ContactHistory.empty() for _ in placed]
     parts = [(in_part(body, planes), motion) for (body, motion), planes in zip(placed, mirrors)]
-    carried = carried_by_each(parts, joints, soil)
+    carried, falling = carried_by_each(parts, joints, soil), falling_bodies(placed, joints, soil)
     heaviest = gravity * max([1.0, *(share for stage in scene.stages for share in stage.gravity)])
-    bodies = [_connected(*one, soil, heaviest, alone=undisturbed(i, placed, joints, one[4], soil))
+    bodies = [_connected(*one, soil, heaviest, alone=undisturbed(i, placed, falling, one[4]))
               for i, one in enumerate(zip(scene.bodies, meshes, mirrors, placed, carried))]
     inside = [starts_inside(body, motion, points, soil) for body, motion in zip(bodies, motions)]
     removed_soil = []

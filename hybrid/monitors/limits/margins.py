@@ -1,5 +1,5 @@
 """Soil that ends so near a body that is pressed into it that its failure mechanism does not fit: the load is too large.
-Under a body that is lifted it is too small.
+That of a body that is lifted is too small.
 
 Load of a strip of width B on clay over that far from all ends, 1.6 m wide with cells of 0.1 m, by the distance to a
 roller beside it or a fixed base below:
